@@ -148,8 +148,8 @@ pub mod terrain;
 
 #[doc(inline)]
 pub use tokosen_core::{
-    arrays, base, check, clean, contour, creases, crs, dem, drain, layers, mesh, raster, resample, skeleton, slice,
-    spline, streams, subdivision, subdomains, surface, tin, tuning, validate,
+    arrays, base, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster, resample, skeleton,
+    slice, spline, streams, subdivision, subdomains, surface, tin, tuning, validate,
 };
 #[cfg(feature = "draw")]
 #[doc(inline)]

@@ -9,7 +9,6 @@ use tokosen::terrain::BaseJoin;
 
 use super::console::Console;
 use super::failure::Failure;
-use super::flags::first_given;
 
 #[derive(Debug, Clone, Args)]
 pub struct BaseArgs {
@@ -28,11 +27,6 @@ impl BaseArgs {
     /// The file that is read.
     pub fn file(&self) -> Option<&Path> {
         self.base.as_deref()
-    }
-
-    /// The first flag that is given.
-    pub fn given(&self) -> Option<&'static str> {
-        first_given([(self.base.is_some(), "--base")])
     }
 
     /// Sets the base of an input; reads its file if there is one.

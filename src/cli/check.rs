@@ -10,16 +10,14 @@ use tokosen::io::layer::{FINDINGS_LAYER, REPAIRED_LAYERS, holds_spots, of_findin
 use tokosen::io::{PlannedOutput, StagedOutput, VectorFormat, write_layers_back};
 use tokosen::terrain::{all_right, check_json, is_repair};
 
-use super::break_lines::BreakLineArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::flags::first_given;
+use super::features::{self, BreakLineArgs, Sources, StreamArgs, WaterArgs, paths};
 use super::map::{MapArgs, RepairArg};
 use super::part::PartArgs;
 use super::plane::ToCrsArgs;
-use super::streams::StreamArgs;
 use super::summary;
-use super::surface::{FrameArgs, WaterArgs};
+use super::surface::FrameArgs;
 use super::unit::{ToUnitArgs, in_units};
 
 /// Faults in contour lines, their places and proposed repairs
@@ -86,9 +84,8 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
-    args.water.add_to(&mut input)?;
-    args.streams.add_to(&mut input)?;
-    args.break_lines.add_to(&mut input)?;
+    args.water.check()?;
+    features::add(args.sources(), &mut input)?;
     let options = Options { sea, stream_tolerance: args.streams.stream_tolerance, ..Options::default() };
     let judged = input.judge(&options, console);
     let judged = judged.map_err(|error| summary::after_findings(error, &input.findings, console))?;
@@ -128,16 +125,20 @@ impl CheckArgs {
         self.map.repair.is_some()
     }
 
+    /// The files of lines and polygons that are compared with the contours.
+    fn sources(&self) -> Sources<'_> {
+        [self.water.sources(), self.streams.sources(), self.break_lines.sources()].concat()
+    }
+
     /// Opens the output, if there is one.
     fn open(&self, console: &Console) -> Result<Option<StagedOutput>, Failure> {
         let files = self.map.files()?;
         let area = self.frame.file().into_iter().chain(self.part.file());
-        let others = area.chain(self.water.file()).chain(self.streams.files()).chain(self.break_lines.files());
+        let others = area.chain(paths(self.sources()));
         let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(others).collect();
         let Some(path) = &self.output else {
             console.check_paths(&inputs, &[])?;
-            let given = [(self.to_crs.to_crs.is_some(), "--to-crs"), (self.to_unit.unit().is_foot(), "--to-unit")];
-            return match first_given(given) {
+            return match console.flags.first(&["--to-crs", "--to-unit"]) {
                 Some(flag) => Err(Failure::Usage(format!("{flag} needs a file to write: add -o FILE"))),
                 None => Ok(None),
             };

@@ -16,6 +16,7 @@ use tokosen::io::{PlannedOutput, check_paths};
 use tokosen::surface::Surface;
 
 use super::Common;
+use super::flags::Flags;
 use super::progress::Track;
 use super::run_file::{Record, RunFile, further};
 
@@ -40,6 +41,8 @@ pub struct Console {
     unit: OnceLock<ElevationUnit>,
     track: Arc<Mutex<Track>>,
     state: Mutex<State>,
+    /// The flags that are given.
+    pub flags: Flags,
     /// The notes for `--save-run`.
     record: Option<Record>,
     /// The saved run that is repeated.
@@ -68,13 +71,14 @@ impl Console {
     /// `record` takes the notes about the run, `repeated` is the saved run that is repeated.
     pub fn new(
         &Common { quiet, verbose, overwrite, progress: shown, .. }: &Common,
+        flags: Flags,
         record: Option<Record>,
         repeated: Option<RunFile>,
     ) -> Self {
         let (reprojection, unit, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
         let track = Arc::new(Mutex::new(Track::new()));
         let started = Instant::now();
-        Self { quiet, shown, verbose, overwrite, started, reprojection, unit, track, state, record, repeated }
+        Self { quiet, shown, verbose, overwrite, started, reprojection, unit, track, state, flags, record, repeated }
     }
 
     /// Says which steps will come, for the share that is done and the time that is left.

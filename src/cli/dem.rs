@@ -17,7 +17,7 @@ use super::output::{DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
 use super::summary;
-use super::surface::SurfaceArgs;
+use super::surface::{ABOUT_PITS, SurfaceArgs};
 use super::unit::ToUnitArgs;
 
 /// A height map (DEM) from contour lines
@@ -69,7 +69,7 @@ Examples:
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let crs = args.to_crs.to_crs.as_ref();
     args.height_map.grid.check(crs)?;
-    args.surface.check()?;
+    args.surface.check(&console.flags)?;
     let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
     let outputs = [args.output.as_path().into()].into_iter().chain(args.diagnostics.planned());
@@ -90,7 +90,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let map = output.write(&terrain, console)?.collect(&mut terrain.findings);
     job.check_strict(&terrain.findings)?;
-    let wants_pits = diagnostics.is_some() || args.surface.drain.is_given();
+    let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
     let pits = wants_pits.then(|| terrain.pits_of(&map.dem, &output.grid)).transpose()?;
     diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;

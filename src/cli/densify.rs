@@ -18,13 +18,14 @@ use super::compare::{draw, open_page, summarise};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
+use super::flags::Flags;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
-use super::output::{self, DemOutput, HeightMapArgs};
+use super::output::{self, ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::summary;
-use super::surface::SurfaceArgs;
+use super::surface::{ABOUT_PITS, SurfaceArgs};
 use super::unit::in_units;
 
 /// Contour lines at a finer interval
@@ -91,7 +92,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
-    args.check()?;
+    args.check(&console.flags)?;
     let targets = args.levels.targets()?;
     let unit = args.levels.to_unit.unit();
     let names = args.levels.layer_names(&targets);
@@ -133,7 +134,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     })?;
     let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
-    let wants_pits = diagnostics.is_some() || args.surface.drain.is_given();
+    let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
     job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
@@ -200,8 +201,8 @@ impl Reference {
 
 impl DensifyArgs {
     /// Checks what can be checked before anything is read.
-    fn check(&self) -> Result<(), Failure> {
-        if self.dem.is_none() && self.height_map.given().is_some() {
+    fn check(&self, flags: &Flags) -> Result<(), Failure> {
+        if self.dem.is_none() && flags.first(&ABOUT_HEIGHT_MAP).is_some() {
             return Err(Failure::Usage(
                 "--cell, --cell-degrees, --like, --png-encoding and --cog need --dem FILE".into(),
             ));
@@ -211,7 +212,7 @@ impl DensifyArgs {
         }
         output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.levels.check(&self.output)?;
-        self.surface.check()
+        self.surface.check(flags)
     }
 
     /// Checks the paths of all files; `files` and `layers` are those of the contours.

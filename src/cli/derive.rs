@@ -23,10 +23,10 @@ use super::flow::{FlowArgs, FlowOutputs};
 use super::input::{InputArgs, Scope};
 use super::job::build;
 use super::light::LightArgs;
-use super::output::{self, CogArgs, GridArgs, write_if_asked};
+use super::output::{self, ABOUT_GRID, CogArgs, GridArgs, write_if_asked};
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
-use super::surface::SurfaceArgs;
+use super::surface::{ABOUT_SURFACE, SurfaceArgs};
 use super::unit::UnitArg;
 use super::{memory, summary};
 
@@ -211,19 +211,17 @@ impl DeriveArgs {
             return Err(Failure::Usage(format!("choose an output: {flags} FILE")));
         }
         let crs = self.to_crs.to_crs.as_ref();
-        let for_contours = (self.grid.given())
-            .or(crs.map(|_| "--to-crs"))
-            .or_else(|| self.base.given())
-            .or(self.input.map.points.as_ref().map(|_| "--points"))
-            .or_else(|| self.input.about_contours_but(Some("--plane-unit")))
-            .or_else(|| self.part.given())
-            .or_else(|| self.surface.given());
+        let flags = &console.flags;
+        let for_contours = flags
+            .first(ABOUT_GRID.iter().chain(&["--to-crs", "--base", "--points"]))
+            .or_else(|| InputArgs::about_contours(flags, Some("--plane-unit")))
+            .or_else(|| flags.first(["--extent", "--clip"].iter().chain(&ABOUT_SURFACE)));
         if let Some(flag) = for_contours.filter(|_| is_raster) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map")));
         }
         if !is_raster {
             self.grid.check(crs)?;
-            self.surface.check()?;
+            self.surface.check(flags)?;
         }
         if !(self.steep_angle > 0.0 && self.steep_angle < 90.0) {
             let message = format!("--steep-angle is {}, it must be more than 0 and less than 90", self.steep_angle);

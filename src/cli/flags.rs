@@ -1,6 +1,34 @@
 //! Which flags are given.
 
-/// The name of the first flag that is given.
-pub fn first_given(flags: impl IntoIterator<Item = (bool, &'static str)>) -> Option<&'static str> {
-    flags.into_iter().find(|(is_given, _)| *is_given).map(|(_, flag)| flag)
+use std::collections::BTreeSet;
+
+use clap::ArgMatches;
+use clap::parser::ValueSource;
+
+/// The flags that the user gave, also those with the value that they have without.
+#[derive(Debug, Clone, Default)]
+pub struct Flags(BTreeSet<String>);
+
+impl Flags {
+    /// The flags in the matches of a command and of its verb.
+    pub fn of(matches: &ArgMatches) -> Self {
+        let verb = matches.subcommand().map(|(_, matches)| matches);
+        let ids =
+            verb.into_iter().chain([matches]).flat_map(|matches| matches.ids().map(move |id| (matches, id.as_str())));
+        let given = ids.filter(|(matches, id)| {
+            // A group of arguments has an id too, and no value of its own.
+            matches.try_contains_id(id).is_ok() && matches.value_source(id) == Some(ValueSource::CommandLine)
+        });
+        Self(given.map(|(_, id)| format!("--{}", id.replace('_', "-"))).collect())
+    }
+
+    /// Whether a flag is given; it is named with its hyphens.
+    pub fn has(&self, flag: &str) -> bool {
+        self.0.contains(flag)
+    }
+
+    /// The first of some flags that is given.
+    pub fn first<'a>(&self, flags: impl IntoIterator<Item = &'a &'a str>) -> Option<&'a str> {
+        flags.into_iter().copied().find(|flag| self.has(flag))
+    }
 }

@@ -7,8 +7,8 @@ use tokosen::{GridSpec, Input};
 
 use super::console::Console;
 use super::failure::Failure;
-use super::flags::first_given;
-use super::map::MapArgs;
+use super::flags::Flags;
+use super::map::{ABOUT_CONTOURS, MapArgs};
 use super::memory;
 use super::part::PartArgs;
 use super::summary;
@@ -50,15 +50,11 @@ impl<'a> Scope<'a> {
 }
 
 impl InputArgs {
-    /// The first flag that applies to contours, if one is given; a run without contours must not ignore it.
-    pub fn about_contours(&self) -> Option<&'static str> {
-        self.about_contours_but(None)
-    }
-
-    /// The same without one flag, which applies to height maps too.
-    pub fn about_contours_but(&self, but: Option<&str>) -> Option<&'static str> {
-        let own = [(self.fit.is_some(), "--fit"), (self.sample.is_some(), "--sample")];
-        first_given(self.map.flags().chain(own).filter(|(_, flag)| Some(*flag) != but))
+    /// The first flag that applies to contours, if one is given; a run without contours must not ignore it. `but` is a flag
+    /// that applies to height maps too.
+    pub fn about_contours(flags: &Flags, but: Option<&str>) -> Option<&'static str> {
+        let all = ABOUT_CONTOURS.iter().chain(&["--fit", "--sample"]);
+        flags.first(all.filter(|flag| Some(**flag) != but))
     }
 
     /// Reads and prepares the map. A height map that is too large is refused before the preparation.

@@ -16,8 +16,9 @@ use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
 use super::failure::Failure;
+use super::features::WaterArgs;
 use super::input::{InputArgs, Scope};
-use super::surface::{SurfaceArgs, WaterArgs};
+use super::surface::SurfaceArgs;
 use super::{output, summary};
 
 /// One run of a verb that reads contours.

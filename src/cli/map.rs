@@ -10,10 +10,9 @@ use tokosen::io::{Content, VectorSource, content};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{Input, InputOptions};
 
-use super::cliffs::CliffArgs;
-use super::coast::CoastArg;
 use super::console::Console;
 use super::failure::Failure;
+use super::features::{MapFeatureArgs, paths};
 use super::source::source;
 use super::unit::UnitArg;
 use super::{memory, plane};
@@ -40,16 +39,8 @@ pub struct MapArgs {
     /// sigma gives each point its own [unit of the spot heights]
     #[arg(long, value_name = "SIGMA", requires = "points")]
     pub points_sigma: Option<f64>,
-    /// Leave out the contours and spot heights inside the polygons of this file, for instance of a quarry or of wrong
-    /// lines; the surface bridges them. Can be given several times
-    #[arg(long, value_name = "FILE", value_parser = source())]
-    pub exclude: Vec<VectorSource>,
     #[command(flatten)]
-    pub cliffs: CliffArgs,
-    /// Coast: lines, or polygons of land or sea, at their elevation attribute or z, otherwise at 0; or the level of contours
-    /// that are the coast. The sea becomes level; the contours show which side is land
-    #[arg(long, value_name = "FILE|LEVEL", value_parser = CoastArg::parser())]
-    pub coast: Option<CoastArg>,
+    pub features: MapFeatureArgs,
     /// Unit of the elevations of contours, spot heights and lakes [default: that which an attribute such as units or uom
     /// states beside them; else that of the vertical part of each file's CRS, such as NAVD88 height (ftUS); else that of the
     /// contours; else metres]
@@ -107,14 +98,29 @@ impl RepairArg {
 /// Default of `--snap`.
 const SNAP: f64 = 0.01;
 
+/// The flags that apply to contours alone.
+pub const ABOUT_CONTOURS: [&str; 13] = [
+    "--elevation-field",
+    "--layer",
+    "--points-sigma",
+    "--exclude",
+    "--cliffs",
+    "--coast",
+    "--unit",
+    "--plane-unit",
+    "--depths",
+    "--crs",
+    "--work-crs",
+    "--snap",
+    "--repair",
+];
+
 impl MapArgs {
     /// The files that are read: patterns and folders are expanded.
     pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
         let contours = self.sources()?;
-        let coast = self.coast.iter().filter_map(CoastArg::source);
-        let others = self.points.iter().chain(&self.exclude).chain(coast).cloned();
-        let cliffs = self.cliffs.files().map(Path::to_owned);
-        Ok(contours.into_iter().chain(others).map(|source| source.path).chain(cliffs).collect())
+        let others = self.points.iter().map(|source| source.path.as_path()).chain(paths(self.features.sources()));
+        Ok(contours.into_iter().map(|source| source.path).chain(others.map(Path::to_owned)).collect())
     }
 
     /// The sources of the contours: patterns and folders are expanded.
@@ -153,26 +159,6 @@ impl MapArgs {
         names.join(", ")
     }
 
-    /// The flags that apply to contours, and whether they are given.
-    pub fn flags(&self) -> impl Iterator<Item = (bool, &'static str)> {
-        [
-            (self.elevation_field.is_some(), "--elevation-field"),
-            (self.layer.is_some(), "--layer"),
-            (self.points_sigma.is_some(), "--points-sigma"),
-            (!self.exclude.is_empty(), "--exclude"),
-            (!self.cliffs.cliffs.is_empty(), "--cliffs"),
-            (self.coast.is_some(), "--coast"),
-            (self.unit.is_some(), "--unit"),
-            (self.plane_unit.is_some(), "--plane-unit"),
-            (self.depths, "--depths"),
-            (self.crs.is_some(), "--crs"),
-            (self.work_crs.is_some(), "--work-crs"),
-            (self.snap != SNAP, "--snap"),
-            (self.repair.is_some(), "--repair"),
-        ]
-        .into_iter()
-    }
-
     /// How the lines are prepared.
     pub fn preparation(&self) -> Preparation {
         let repair = self.repair.map_or(Repair::Safe, RepairArg::repair);
@@ -205,11 +191,7 @@ impl MapArgs {
         if let Some(source) = &self.points {
             input.read_spots(source, self.points_sigma, console)?;
         }
-        self.coast.iter().try_for_each(|coast| coast.add_to(&mut input))?;
-        for source in &self.exclude {
-            input.read_excluded(source)?;
-        }
-        self.cliffs.add_to(&mut input)?;
+        self.features.add_to(&mut input)?;
         console.set_input(&input);
         Ok(input)
     }

@@ -53,7 +53,7 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     output::check_extension(&args.output, "models", &MESH_EXTENSIONS)?;
-    args.surface.check()?;
+    args.surface.check(&console.flags)?;
     let job = Job::start(
         &args.input,
         args.surface.files().chain(args.part.file()),

@@ -5,10 +5,7 @@
 
 mod address_space;
 mod base;
-mod break_lines;
 mod check;
-mod cliffs;
-mod coast;
 mod compare;
 mod console;
 mod contour;
@@ -16,8 +13,8 @@ mod dem;
 mod densify;
 mod derive;
 mod diagnostics;
-mod drain;
 mod failure;
+mod features;
 mod flags;
 mod flow;
 mod hints;
@@ -39,7 +36,6 @@ mod regions;
 mod run_file;
 mod skeleton;
 mod source;
-mod streams;
 mod suggest;
 mod summary;
 mod surface;
@@ -48,10 +44,11 @@ mod unit;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use console::{Console, Shown};
 use failure::Failure;
+use flags::Flags;
 pub use memory::available as available_memory;
 use run_file::{Record, Repeated, RunFile};
 
@@ -160,6 +157,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// What is run: the arguments of the program, or those of a saved run.
 struct Run {
     cli: Cli,
+    /// The flags that are given.
+    flags: Flags,
     /// The arguments as text, if they are to be saved.
     arguments: Vec<String>,
     /// The saved run that is repeated, with what is different now.
@@ -170,25 +169,33 @@ struct Run {
 fn parsed(arguments: Vec<OsString>) -> Result<Run, Failure> {
     let given = arguments.get(1..).unwrap_or_default();
     if run_file::is_repeat(given) {
-        let Repeated { cli, saved, warnings } = run_file::repeated(&arguments)?;
-        return Ok(Run { cli, arguments: saved.arguments.clone(), repeated: Some((saved, warnings)) });
+        let Repeated { cli, flags, saved, warnings } = run_file::repeated(&arguments)?;
+        return Ok(Run { cli, flags, arguments: saved.arguments.clone(), repeated: Some((saved, warnings)) });
     }
-    let cli = Cli::try_parse_from(negative::joined(Cli::command(), arguments.clone()))
+    let (cli, flags) = Cli::with_flags(negative::joined(Cli::command(), arguments.clone()))
         .unwrap_or_else(|error| suggest::with_right_flag(error, Cli::command(), &arguments).exit());
     let arguments = match cli.common.save_run {
         Some(_) => run_file::saved_arguments(given.to_vec())?,
         None => Vec::new(),
     };
-    Ok(Run { cli, arguments, repeated: None })
+    Ok(Run { cli, flags, arguments, repeated: None })
+}
+
+impl Cli {
+    /// Parses arguments, and notes which flags are given.
+    fn with_flags(arguments: impl IntoIterator<Item = OsString>) -> Result<(Self, Flags), clap::Error> {
+        let matches: ArgMatches = Self::command().try_get_matches_from(arguments)?;
+        Ok((Self::from_arg_matches(&matches)?, Flags::of(&matches)))
+    }
 }
 
 impl Run {
     /// Runs the verb. The run is saved if it went well.
     fn run(self) -> Result<(), Failure> {
-        let Self { cli, arguments, repeated } = self;
+        let Self { cli, flags, arguments, repeated } = self;
         let record = cli.common.save_run.as_deref().map(|path| Record::open(path, arguments)).transpose()?;
         let (saved, warnings) = repeated.unzip();
-        let mut console = Console::new(&cli.common, record, saved);
+        let mut console = Console::new(&cli.common, flags, record, saved);
         warnings.iter().flatten().for_each(|warning| console.warn(&format!("warning: {warning}")));
         let outcome = cli.verb.run(&console);
         console.clear();

@@ -18,8 +18,13 @@ use tokosen::{GridSpec, Terrain};
 
 use super::console::Console;
 use super::failure::Failure;
-use super::flags::first_given;
 use super::unit::of_drawing;
+
+/// The flags that ask for a grid.
+pub const ABOUT_GRID: [&str; 3] = ["--cell", "--cell-degrees", "--like"];
+
+/// The flags about the file of a height map.
+pub const ABOUT_HEIGHT_MAP: [&str; 5] = ["--cell", "--cell-degrees", "--like", "--png-encoding", "--cog"];
 
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
@@ -103,15 +108,6 @@ fn degrees(text: &str) -> Result<f64, String> {
 }
 
 impl GridArgs {
-    /// The flag that asks for a grid.
-    pub fn given(&self) -> Option<&'static str> {
-        first_given([
-            (self.cell.is_some(), "--cell"),
-            (self.cell_degrees.is_some(), "--cell-degrees"),
-            (self.like.is_some(), "--like"),
-        ])
-    }
-
     /// Checks what can be checked before anything is read. `crs` is the system that the cells are to be in, if it is
     /// named.
     pub fn check(&self, crs: Option<&Crs>) -> Result<(), Failure> {
@@ -158,12 +154,6 @@ impl GridArgs {
 }
 
 impl HeightMapArgs {
-    /// The first flag that is given; a run without a height map must not ignore it.
-    pub fn given(&self) -> Option<&'static str> {
-        let of_file = first_given([(self.png_encoding != PngArg::Gray16, "--png-encoding"), (self.cog.cog, "--cog")]);
-        self.grid.given().or(of_file)
-    }
-
     /// Whether to estimate standard errors.
     pub fn uncertainty(&self) -> Uncertainty {
         if self.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown }

@@ -11,7 +11,6 @@ use tokosen::raster::Dem;
 use tokosen::terrain::{extent_on, read_area_on};
 
 use super::failure::Failure;
-use super::flags::first_given;
 use super::memory;
 use super::plane;
 use super::source::source;
@@ -56,11 +55,6 @@ impl PartArgs {
     /// The file that is read.
     pub fn file(&self) -> Option<&Path> {
         self.clip.as_ref().map(|source| source.path.as_path())
-    }
-
-    /// The first flag that is given.
-    pub fn given(&self) -> Option<&'static str> {
-        first_given([(self.extent.is_some(), "--extent"), (self.clip.is_some(), "--clip")])
     }
 
     /// Limits an input to the part; reads its file if there is one.

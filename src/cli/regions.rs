@@ -11,12 +11,13 @@ use tokosen::terrain::clip_areas;
 
 use super::console::Console;
 use super::failure::Failure;
+use super::features::{self, WaterArgs, paths};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output;
 use super::part::PartArgs;
 use super::plane::ToCrsArgs;
-use super::surface::{FrameArgs, WaterArgs};
+use super::surface::FrameArgs;
 use super::unit::{ToUnitArgs, in_units};
 
 /// The areas between contour lines, with their landforms and nesting
@@ -58,7 +59,7 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
-    let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(args.water.file());
+    let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(paths(args.water.sources()));
     let output = PlannedOutput { path: &args.output, layers: &[REGIONS_LAYER] };
     let job = Job::start(&args.input, inputs, [output], args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
@@ -66,7 +67,8 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let unit = args.to_unit.unit();
     let sea = args.water.sea_in_metres(unit);
     let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
-    args.water.add_to(&mut input)?;
+    args.water.check()?;
+    features::add(args.water.sources(), &mut input)?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
     let (subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));

@@ -12,14 +12,14 @@ use tokosen::tuning::SkeletonTuning;
 
 use super::console::Console;
 use super::failure::Failure;
+use super::features::{self, StreamArgs, WaterArgs, paths};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output;
 use super::part::PartArgs;
 use super::plane::ToCrsArgs;
-use super::streams::StreamArgs;
 use super::summary;
-use super::surface::{FrameArgs, WaterArgs};
+use super::surface::FrameArgs;
 use super::unit::{ToUnitArgs, in_units};
 
 /// Ridge and canyon lines with heights
@@ -81,8 +81,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.triangles.then_some("triangles"));
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
-    let inputs =
-        args.frame.file().into_iter().chain(args.part.file()).chain(args.water.file()).chain(args.streams.files());
+    let lines = [args.water.sources(), args.streams.sources()].concat();
+    let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(paths(lines.clone()));
     let outputs = files.iter().map(|path| PlannedOutput { path, layers: &names });
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
@@ -91,8 +91,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let sea = args.water.sea_in_metres(unit);
     let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
-    args.water.add_to(&mut input)?;
-    args.streams.add_to(&mut input)?;
+    args.water.check()?;
+    features::add(lines, &mut input)?;
     let (mut subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
     let mut streams = input.settle_streams(&subdivision, args.streams.stream_tolerance, console)?;
     let tuning = SkeletonTuning::default();

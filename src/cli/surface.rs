@@ -11,13 +11,11 @@ use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::tuning::Tuning;
 use tokosen::{GridSpec, Input, Options};
 
-use super::break_lines::BreakLineArgs;
-use super::drain::DrainArgs;
 use super::failure::Failure;
-use super::flags::first_given;
+use super::features::{self, BreakLineArgs, DrainArgs, Sources, StreamArgs, WaterArgs, paths};
+use super::flags::Flags;
 use super::memory;
 use super::source::source;
-use super::streams::StreamArgs;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
@@ -53,6 +51,32 @@ pub struct SurfaceArgs {
 
 /// Default of `--resolution`.
 const RESOLUTION: f64 = 1.0;
+
+/// The flags about the surface. A run without contours makes none.
+pub const ABOUT_SURFACE: [&str; 12] = [
+    "--surface",
+    "--frame",
+    "--water",
+    "--sea",
+    "--streams",
+    "--breaklines",
+    "--resolution",
+    "--tension",
+    "--noise",
+    "--tune",
+    "--sinks",
+    "--drain",
+];
+
+/// Those without a meaning for `--surface linear`.
+const NOT_LINEAR: [&str; 7] =
+    ["--resolution", "--streams", "--breaklines", "--tension", "--noise", "--sinks", "--drain"];
+
+/// Those without a meaning for `--surface skeleton`.
+const SMOOTH_ONLY: [&str; 4] = ["--tension", "--noise", "--sinks", "--drain"];
+
+/// Those about pits. The summary reports pits if one of them is given.
+pub const ABOUT_PITS: [&str; 2] = ["--sinks", "--drain"];
 
 /// Where the ground ends.
 #[derive(Debug, Clone, Args)]
@@ -110,8 +134,12 @@ impl KindArg {
 impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let lines = self.streams.files().chain(self.break_lines.files()).chain(self.drain.files());
-        self.frame.file().into_iter().chain(self.water.file()).chain(lines)
+        self.frame.file().into_iter().chain(paths(self.sources()))
+    }
+
+    /// The files of lines, polygons and points beside the contours.
+    fn sources(&self) -> Sources<'_> {
+        [self.water.sources(), self.streams.sources(), self.break_lines.sources(), self.drain.sources()].concat()
     }
 
     /// The steps of building the surface, for the progress.
@@ -127,39 +155,14 @@ impl SurfaceArgs {
         steps.into_iter().filter(|(is_done, _)| *is_done).map(|(_, step)| step)
     }
 
-    /// The first flag that is given; a run without contours makes no surface and must not ignore it.
-    pub fn given(&self) -> Option<&'static str> {
-        first_given([
-            (self.surface != KindArg::Spline, "--surface"),
-            (self.frame.frame != FrameArg::Auto, "--frame"),
-            (self.water.water.is_some(), "--water"),
-            (self.water.sea.is_some(), "--sea"),
-            (!self.streams.streams.is_empty(), "--streams"),
-            (!self.break_lines.breaklines.is_empty(), "--breaklines"),
-            (self.resolution != RESOLUTION, "--resolution"),
-            (self.tension.is_some(), "--tension"),
-            (self.noise.is_some(), "--noise"),
-            (!self.tune.is_empty(), "--tune"),
-        ])
-        .or_else(|| first_given(self.drain.flags()))
-    }
-
-    /// The first flag that is given and has no meaning for this kind of surface.
-    fn unused(&self) -> Option<&'static str> {
-        let is_smooth = self.surface == KindArg::Spline;
-        first_given([
-            (self.resolution != RESOLUTION && self.surface == KindArg::Linear, "--resolution"),
-            (!self.streams.streams.is_empty() && self.surface == KindArg::Linear, "--streams"),
-            (!self.break_lines.breaklines.is_empty() && self.surface == KindArg::Linear, "--breaklines"),
-            (self.tension.is_some() && !is_smooth, "--tension"),
-            (self.noise.is_some() && !is_smooth, "--noise"),
-        ])
-        .or_else(|| first_given(self.drain.flags().map(|(is_given, flag)| (is_given && !is_smooth, flag))))
-    }
-
     /// Refuses flags that have no meaning for this kind of surface.
-    pub fn check(&self) -> Result<(), Failure> {
-        match self.unused() {
+    pub fn check(&self, flags: &Flags) -> Result<(), Failure> {
+        let unused: &[&str] = match self.surface {
+            KindArg::Linear => &NOT_LINEAR,
+            KindArg::Skeleton => &SMOOTH_ONLY,
+            KindArg::Spline => &[],
+        };
+        match flags.first(unused) {
             Some(flag) => {
                 let kind = self.surface.kind().name();
                 Err(Failure::Usage(format!("{flag} has no meaning for --surface {kind}")))
@@ -170,10 +173,8 @@ impl SurfaceArgs {
 
     /// Adds the lakes, the streams, the break lines and the sinks to an input; reads their files if there are any.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
-        self.water.add_to(input)?;
-        self.streams.add_to(input)?;
-        self.break_lines.add_to(input)?;
-        self.drain.add_to(input)
+        self.water.check()?;
+        features::add(self.sources(), input)
     }
 
     /// The library's options, for a height map on a grid if there is one.
@@ -236,40 +237,5 @@ impl FrameArgs {
             FrameArg::Box => input.frame = Frame::Box,
         }
         Ok(())
-    }
-}
-
-#[derive(Debug, Clone, Args)]
-pub struct WaterArgs {
-    /// Lakes: polygons that are level, at their elevation attribute or z, otherwise at the height of their shore; holes
-    /// are islands
-    #[arg(long, value_name = "FILE", value_parser = source())]
-    pub water: Option<VectorSource>,
-    /// Level of the sea [metres, or the unit of --to-unit if the command has it]; the input must have contours at it.
-    /// Ground that reaches down only to contours of this level becomes level sea
-    #[arg(long, value_name = "LEVEL")]
-    pub sea: Option<f64>,
-}
-
-impl WaterArgs {
-    /// The file with lakes, if there is one.
-    pub fn file(&self) -> Option<&Path> {
-        self.water.as_ref().map(|source| source.path.as_path())
-    }
-
-    /// The level of the sea, metres. It was given in `unit`.
-    pub fn sea_in_metres(&self, unit: ElevationUnit) -> Option<f64> {
-        self.sea.map(|level| unit.metres(level))
-    }
-
-    /// Adds the lakes to an input; reads them if there are any.
-    pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
-        if let Some(sea) = self.sea.filter(|sea| !sea.is_finite()) {
-            return Err(Failure::Usage(format!("--sea is {sea}, which is no elevation")));
-        }
-        match &self.water {
-            Some(source) => Ok(input.read_lakes(source)?),
-            None => Ok(()),
-        }
     }
 }

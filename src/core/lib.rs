@@ -16,6 +16,7 @@ pub mod drain;
 #[cfg(test)]
 #[path = "../../tests/common/draws.rs"]
 mod draws;
+pub mod features;
 #[doc(hidden)]
 pub mod geometry;
 pub mod layers;

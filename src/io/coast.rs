@@ -4,9 +4,10 @@ use std::path::Path;
 
 use super::ReadOptions;
 use super::elevation::{Heights, coast_heights};
-use super::table::{NO_GEOMETRY, Table};
-use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use super::table::Table;
+use tokosen_core::base::error::{Error, Report, Result};
 use tokosen_core::contour::{CoastLine, StatedUnit};
+use tokosen_core::features::Role;
 
 /// The lines of a table, and the rings of its polygons, in the order of the file. What cannot be a coast is a finding.
 /// Also gives the unit that the file states for their levels.
@@ -15,16 +16,9 @@ pub(super) fn coast(
     mut table: Table,
     options: &ReadOptions,
 ) -> Result<Report<(Vec<CoastLine>, Option<StatedUnit>)>> {
-    let mut findings = std::mem::take(&mut table.findings);
     let spots = table.features.iter().map(|feature| feature.spots.len() as u64).sum();
-    let left_out = table
-        .left_out
-        .iter()
-        .map(|(kind, count)| (if kind == NO_GEOMETRY { "features without geometry" } else { kind.as_str() }, *count));
-    for (what, count) in left_out.chain([("points", spots)]).filter(|(_, count)| *count > 0) {
-        let message = format!("{}: {count} {what} left out; a coast is lines or polygons", path.display());
-        findings.push(Finding::general(FindingKind::SkippedFeature, message));
-    }
+    table.report_left_out(path, Role::Coast, Some(("points", spots)));
+    let mut findings = std::mem::take(&mut table.findings);
     if table.features.iter().all(|feature| feature.lines.is_empty() && feature.polygons.is_empty()) {
         let found = table.found_words();
         return Err(Error::file(

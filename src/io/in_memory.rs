@@ -18,12 +18,12 @@ pub struct InMemory(Arc<Content>);
 #[derive(Debug)]
 enum Content {
     GeoJson(Vec<u8>),
-    Features(Features),
+    Features(MemoryLayer),
 }
 
 /// Features as columns: their geometries, and attributes.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Features {
+pub struct MemoryLayer {
     /// The geometries as well-known binary (WKB), one after the other.
     pub wkb: Vec<u8>,
     /// Where each geometry starts in `wkb`, and at the end its length. A feature of no bytes has no geometry.
@@ -70,8 +70,8 @@ impl PartialEq for InMemory {
 
 impl Eq for InMemory {}
 
-impl From<Features> for InMemory {
-    fn from(features: Features) -> Self {
+impl From<MemoryLayer> for InMemory {
+    fn from(features: MemoryLayer) -> Self {
         Self(Arc::new(Content::Features(features)))
     }
 }
@@ -91,7 +91,7 @@ impl InMemory {
     }
 }
 
-impl Features {
+impl MemoryLayer {
     fn read(&self, name: &Path, request: &Request<'_>) -> Result<Table> {
         let Self { wkb, offsets, attributes, crs } = self;
         let count = offsets.len().saturating_sub(1);
@@ -132,7 +132,7 @@ mod tests {
         [&[1, 2, 0, 0, 0, 2, 0, 0, 0], numbers.as_flattened()].concat()
     }
 
-    fn read(features: Features) -> Result<Table> {
+    fn read(features: MemoryLayer) -> Result<Table> {
         let request = Request { elevation_field: Some("H"), layer: None, purpose: Purpose::Contours, memory: None };
         InMemory::from(features).read(Path::new("contours"), &request)
     }
@@ -145,7 +145,7 @@ mod tests {
             ("name".to_owned(), Attribute::Texts(vec![None, None, Some("x".to_owned())])),
         ];
         let offsets = vec![0, wkb.len() / 2, wkb.len() / 2, wkb.len()];
-        let table = read(Features { wkb, offsets, attributes, crs: Some(Crs::wgs84()) }).unwrap();
+        let table = read(MemoryLayer { wkb, offsets, attributes, crs: Some(Crs::wgs84()) }).unwrap();
         let found: Vec<_> =
             table.features.iter().map(|f| (f.number, f.lines[0].points[1].x, f.values.clone())).collect();
         assert_eq!(found, [(0, 1.0, vec![(0, Value::Number(10.0))]), (2, 2.0, vec![(0, Value::Null)])]);
@@ -157,11 +157,11 @@ mod tests {
     fn columns_that_do_not_fit_and_broken_geometries_are_told() {
         let fault = |features| read(features).err().map(|error| error.to_string()).unwrap();
         let attributes = vec![("h".to_owned(), Attribute::Numbers(vec![10.0]))];
-        let two = Features { wkb: line(1.0), offsets: vec![0, 41, 41], attributes, crs: None };
+        let two = MemoryLayer { wkb: line(1.0), offsets: vec![0, 41, 41], attributes, crs: None };
         assert_eq!(fault(two.clone()), "contours: there are 1 values of \"h\" for 2 features");
-        let cut = Features { offsets: vec![0, 20], ..two.clone() };
+        let cut = MemoryLayer { offsets: vec![0, 20], ..two.clone() };
         assert_eq!(fault(cut), "contours: feature 0: its geometry ends too early");
-        let beyond = Features { offsets: vec![0, 99], ..two };
+        let beyond = MemoryLayer { offsets: vec![0, 99], ..two };
         assert_eq!(fault(beyond), "contours: feature 0: the offsets of its geometry are wrong");
     }
 }

@@ -57,17 +57,15 @@ use layer::{Layer, ReprojectedShapes};
 use table::{Purpose, Request, Table};
 use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{Error, Report, Result};
-use tokosen_core::contour::{CliffLine, CoastLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights, StatedUnit};
-use tokosen_core::creases::CreaseLine;
+use tokosen_core::contour::{ContourLayer, ContourMap, SpotHeights, StatedUnit};
 use tokosen_core::crs::{Crs, FromWorking};
-use tokosen_core::drain::Sink;
+use tokosen_core::features::{Features, Role};
 use tokosen_core::subdomains::{Landform, Regions};
 use tokosen_core::tin::Tin;
 
 pub use content::{Content, content};
 pub use format::VectorFormat;
-pub use in_memory::{Attribute, Features, InMemory};
-pub use lines::Waterways;
+pub use in_memory::{Attribute, InMemory, MemoryLayer};
 pub use maker::SAVED_RUN;
 pub use ordinary::{open_to_read, read_small};
 pub use paths::{PlannedOutput, check_paths, files_of_input};
@@ -139,130 +137,57 @@ pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64
     Ok((area::area(path, table)?, crs))
 }
 
-/// Reads the polygons of parts of the map that are left out. Also gives the coordinate reference system if the file names
-/// one. Polygons that overlap or share an edge are united and get the number of the first feature.
-///
-/// # Errors
-/// As [`read_area`].
-pub fn read_excluded(path: &Path, options: &ReadOptions) -> Result<(Vec<Excluded>, Option<Crs>)> {
-    let mut table = read_table(path, options, Purpose::Area)?;
-    let crs = table.crs.take();
-    Ok((area::excluded(path, table)?, crs))
-}
-
-/// Reads water bodies: polygons, each with its height if the file gives one. Also gives the coordinate reference system
-/// if the file names one.
-///
-/// The height is an attribute with a known elevation name, otherwise the z coordinate if all vertices of the feature
-/// share it. Features with neither have no height. Files of 基盤地図情報 give their water areas (`WA`) without the rivers,
-/// and the pieces of one lake are united. If they have no water areas, they give the closed shores of lakes (`WL`).
-/// What is left out is a finding.
-///
-/// # Errors
-/// As [`read_area`], and if the file does not make clear where the heights are.
-pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake>, Option<Crs>)>> {
-    let Report { value: Stated { value, crs, .. }, findings } = read_water_stated(path, options)?;
-    Ok(Report { value: (value, crs), findings })
-}
-
-/// What a file holds, with its coordinate reference system and the unit that it states for heights.
-#[derive(Debug, Clone)]
-pub struct Stated<T> {
-    /// What the file holds.
-    pub value: T,
-    /// Its coordinate reference system, if the file names one.
+/// What a file holds in a role.
+#[derive(Debug, Clone, Default)]
+pub struct FileFeatures {
+    /// The features, in the lists of their role.
+    pub features: Features,
+    /// Their coordinate reference system, if the file names one.
     pub crs: Option<Crs>,
-    /// The unit that an attribute states for heights.
+    /// The unit that an attribute states for their heights.
     pub unit: Option<StatedUnit>,
 }
 
-/// [`read_water`] with the unit that the file states for the heights.
+/// Reads the features of a file in a role. A line of several parts becomes one feature per part. What cannot be one is a
+/// finding.
+///
+/// | role | shapes | heights |
+/// |---|---|---|
+/// | coast | lines; rings of polygons of land or sea | of a line: an attribute with a known elevation name, otherwise the z coordinate if all vertices share it and it is not 0 |
+/// | exclude | polygons; those that overlap or share an edge are united and get the number of the first | do not count |
+/// | cliffs | lines | do not count |
+/// | water | polygons | of a polygon: an attribute with a known elevation name, otherwise the z coordinate if all vertices share it |
+/// | streams | lines, and polygons of river areas; of a GeoPackage with both and without a named layer, the lines | do not count |
+/// | break lines | lines; an attribute `kind` says how the ground bends: `ridge`, `valley`, or `edge` for either way | z coordinates, if z is not 0 everywhere in the file |
+/// | sinks | points; polygons; those that overlap or share an edge are united and get the number of the first | do not count |
+///
+/// Files of 基盤地図情報 give their water areas (`WA`) without the rivers, and the pieces of one lake are united. If they have
+/// no water areas, they give the closed shores of lakes (`WL`).
 ///
 /// # Errors
-/// As [`read_water`].
-pub fn read_water_stated(path: &Path, options: &ReadOptions) -> Result<Report<Stated<Vec<Lake>>>> {
-    let mut table = read_table(path, options, Purpose::Water)?;
+/// The file cannot be read, has no feature of such a shape, or does not make clear where the heights are. For polygons: as
+/// [`read_area`].
+pub fn read_features(role: Role, path: &Path, options: &ReadOptions) -> Result<Report<FileFeatures>> {
+    let mut table = read_table(path, options, Purpose::Features(role))?;
     let crs = table.crs.take();
-    let mut findings = std::mem::take(&mut table.findings);
-    let (value, unit) = water::lakes(path, table, options)?.collect(&mut findings);
-    Ok(Report { value: Stated { value, crs, unit }, findings })
-}
-
-/// Reads rivers and streams: lines, and polygons of river areas. Also gives the coordinate reference system if the file
-/// names one. Of a GeoPackage with lines and polygons, the layer of lines is read, if no layer is named.
-///
-/// Elevations do not count. A line of several parts becomes one stream per part. What cannot be a stream is a finding.
-///
-/// # Errors
-/// The file cannot be read, or has neither lines nor polygons.
-pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Waterways, Option<Crs>)>> {
-    let mut table = read_table(path, options, Purpose::Streams)?;
-    let crs = table.crs.take();
-    let Report { value, findings } = lines::waterways(path, table)?;
-    Ok(Report { value: (value, crs), findings })
-}
-
-/// Reads cliffs. Also gives the coordinate reference system if the file names one.
-///
-/// Elevations do not count. A line of several parts becomes one cliff per part. What cannot be a cliff is a finding.
-///
-/// # Errors
-/// The file cannot be read or has no lines.
-pub fn read_cliffs(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CliffLine>, Option<Crs>)>> {
-    let mut table = read_table(path, options, Purpose::Lines)?;
-    let crs = table.crs.take();
-    let Report { value, findings } = lines::cliffs(path, table)?;
-    Ok(Report { value: (value, crs), findings })
-}
-
-/// Reads break lines. Also gives the coordinate reference system if the file names one.
-///
-/// The heights of a line are its z coordinates. If z is 0 everywhere in the file, the lines have none. An attribute `kind`
-/// says how the ground bends: `ridge`, `valley`, or `edge` for either way. A line of several parts becomes one break line
-/// per part. What cannot be a break line is a finding.
-///
-/// # Errors
-/// The file cannot be read or has no lines.
-pub fn read_break_lines(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CreaseLine>, Option<Crs>)>> {
-    let mut table = read_table(path, options, Purpose::BreakLines)?;
-    let crs = table.crs.take();
-    let Report { value, findings } = lines::break_lines(path, table)?;
-    Ok(Report { value: (value, crs), findings })
-}
-
-/// Reads the lines of a coast, and the rings of polygons of land or sea. Also gives the coordinate reference system if the
-/// file names one. The level is an attribute with a known elevation name, otherwise the z coordinate if all vertices of the
-/// feature share it and it is not 0. What cannot be a coast is a finding.
-///
-/// # Errors
-/// The file cannot be read, has neither lines nor polygons, or does not make clear where the levels are.
-pub fn read_coast(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CoastLine>, Option<Crs>)>> {
-    let Report { value: Stated { value, crs, .. }, findings } = read_coast_stated(path, options)?;
-    Ok(Report { value: (value, crs), findings })
-}
-
-/// [`read_coast`] with the unit that the file states for the levels.
-///
-/// # Errors
-/// As [`read_coast`].
-pub fn read_coast_stated(path: &Path, options: &ReadOptions) -> Result<Report<Stated<Vec<CoastLine>>>> {
-    let mut table = read_table(path, options, Purpose::Coast)?;
-    let crs = table.crs.take();
-    let Report { value: (value, unit), findings } = coast::coast(path, table, options)?;
-    Ok(Report { value: Stated { value, crs, unit }, findings })
-}
-
-/// Reads places where water may stay: points and polygons. Also gives the coordinate reference system if the file names
-/// one. Polygons that overlap or share an edge are united and get the number of the first feature. What cannot be a sink is
-/// a finding.
-///
-/// # Errors
-/// As [`read_area`], and if the file has neither points nor polygons.
-pub fn read_sinks(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Sink>, Option<Crs>)>> {
-    let mut table = read_table(path, options, Purpose::Sinks)?;
-    let crs = table.crs.take();
-    let Report { value, findings } = sinks::sinks(path, table)?;
-    Ok(Report { value: (value, crs), findings })
+    let mut features = Features::default();
+    let mut unit = None;
+    let mut findings = Vec::new();
+    match role {
+        Role::Coast => (features.coast, unit) = coast::coast(path, table, options)?.collect(&mut findings),
+        Role::Exclude => features.excluded = area::excluded(path, table)?,
+        Role::Cliffs => features.cliffs = lines::cliffs(path, table)?.collect(&mut findings),
+        Role::Water => {
+            findings.append(&mut table.findings);
+            (features.lakes, unit) = water::lakes(path, table, options)?.collect(&mut findings);
+        }
+        Role::Streams => {
+            (features.streams, features.river_areas) = lines::waterways(path, table)?.collect(&mut findings);
+        }
+        Role::BreakLines => features.break_lines = lines::break_lines(path, table)?.collect(&mut findings),
+        Role::Sinks => features.sinks = sinks::sinks(path, table)?.collect(&mut findings),
+    }
+    Ok(Report { value: FileFeatures { features, crs, unit }, findings })
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {

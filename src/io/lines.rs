@@ -4,57 +4,35 @@ use std::path::Path;
 
 use super::area::single_polygons;
 use super::attributes::is_kind_name;
-use super::table::{Line, NO_GEOMETRY, Table, Value};
+use super::table::{Line, Table, Value};
 use tokosen_core::base::FeatureId;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::clean::is_place;
 use tokosen_core::contour::CliffLine;
 use tokosen_core::creases::{Bend, CreaseLine};
+use tokosen_core::features::Role;
 use tokosen_core::streams::{RiverArea, StreamLine};
-
-/// The words about a kind of lines.
-struct Words {
-    /// One of them, and several.
-    one: &'static str,
-    many: &'static str,
-    /// The finding about a line that is left out.
-    left_out: FindingKind,
-}
-
-const STREAMS: Words = Words { one: "stream", many: "streams", left_out: FindingKind::StreamLeftOut };
-const BREAK_LINES: Words = Words { one: "break line", many: "break lines", left_out: FindingKind::BreakLineLeftOut };
-
-const CLIFFS: Words = Words { one: "cliff", many: "cliffs", left_out: FindingKind::CliffLeftOut };
 
 /// The lines of a table as cliffs, in the order of the file. What cannot be one is a finding.
 pub(super) fn cliffs(path: &Path, table: Table) -> Result<Report<Vec<CliffLine>>> {
     let mut lines = Vec::new();
-    let findings = for_each_line(path, table, &CLIFFS, |feature, _, line| {
+    let findings = for_each_line(path, table, Role::Cliffs, |feature, _, line| {
         lines.push(CliffLine { points: line.points, feature });
     })?;
     Ok(Report { value: lines, findings })
 }
 
-/// Rivers and streams of a file.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Waterways {
-    /// Their lines.
-    pub lines: Vec<StreamLine>,
-    /// Their areas.
-    pub areas: Vec<RiverArea>,
-}
-
 /// The lines and polygons of a table as rivers and streams, in the order of the file. What cannot be one is a finding.
-pub(super) fn waterways(path: &Path, mut table: Table) -> Result<Report<Waterways>> {
+pub(super) fn waterways(path: &Path, mut table: Table) -> Result<Report<(Vec<StreamLine>, Vec<RiverArea>)>> {
     let polygons = table.take_polygons();
-    let mut found = Waterways::default();
+    let (mut lines, mut areas) = (Vec::new(), Vec::new());
     let mut findings = Vec::new();
     let has_areas = !polygons.features.is_empty();
     if has_areas {
         match single_polygons(path, polygons) {
-            Ok(members) => found
-                .areas
-                .extend(members.into_iter().map(|m| RiverArea { polygon: m.polygon, feature: m.feature.into() })),
+            Ok(members) => {
+                areas.extend(members.into_iter().map(|m| RiverArea { polygon: m.polygon, feature: m.feature.into() }));
+            }
             Err(error) => {
                 let message = format!("the river areas are left out: {error}");
                 findings.push(Finding::general(FindingKind::StreamLeftOut, message));
@@ -62,11 +40,11 @@ pub(super) fn waterways(path: &Path, mut table: Table) -> Result<Report<Waterway
         }
     }
     if !has_areas || table.features.iter().any(|feature| !feature.lines.is_empty()) {
-        findings.extend(for_each_line(path, table, &STREAMS, |feature, _, line| {
-            found.lines.push(StreamLine { points: line.points, feature });
+        findings.extend(for_each_line(path, table, Role::Streams, |feature, _, line| {
+            lines.push(StreamLine { points: line.points, feature });
         })?);
     }
-    Ok(Report { value: found, findings })
+    Ok(Report { value: (lines, areas), findings })
 }
 
 /// The lines of a table as break lines, in the order of the file. What cannot be one is a finding. If z is 0 everywhere in
@@ -77,7 +55,7 @@ pub(super) fn break_lines(path: &Path, table: Table) -> Result<Report<Vec<Crease
     let has_heights = all.filter_map(|line| line.z).any(|z| z != [0.0; 2]);
     let mut lines = Vec::new();
     let mut unknown: Option<(usize, String)> = None;
-    let mut findings = for_each_line(path, table, &BREAK_LINES, |feature, values, line| {
+    let mut findings = for_each_line(path, table, Role::BreakLines, |feature, values, line| {
         let value = values.iter().find(|(field, _)| Some(*field) == kind).map_or(&Value::Null, |(_, value)| value);
         let bend = bend(value).unwrap_or_else(|| {
             unknown.get_or_insert((0, value.to_string())).0 += 1;
@@ -115,21 +93,17 @@ fn bend(kind: &Value) -> Option<Bend> {
 /// for each point, or none at all. Gives what was left out.
 fn for_each_line(
     path: &Path,
-    table: Table,
-    words: &Words,
+    mut table: Table,
+    role: Role,
     mut visit: impl FnMut(FeatureId, &[(usize, Value)], Line),
 ) -> Result<Vec<Finding>> {
-    let Words { one, many, left_out } = *words;
-    let mut findings = table.findings.clone();
-    for (kind, count) in &table.left_out {
-        let what = if kind == NO_GEOMETRY { "features without geometry" } else { kind };
-        let message = format!("{}: {count} {what} left out; {many} are lines", path.display());
-        findings.push(Finding::general(FindingKind::SkippedFeature, message));
-    }
+    table.report_left_out(path, role, None);
+    let mut findings = std::mem::take(&mut table.findings);
     if table.features.iter().all(|feature| feature.lines.is_empty()) {
         let found = table.found_words();
-        return Err(Error::file(path, format!("there is no line in it{found}; {many} are lines")));
+        return Err(Error::file(path, format!("there is no line in it{found}; {}", role.shapes())));
     }
+    let (one, left_out) = (role.one(), role.left_out());
     for feature in table.features {
         let id = FeatureId::from(feature.number);
         for Line { points, z, heights, is_ring } in feature.lines {

@@ -5,23 +5,17 @@ use std::path::Path;
 use geo::MultiPolygon;
 
 use super::area::united_polygons;
-use super::table::{NO_GEOMETRY, Table};
+use super::table::Table;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::clean::is_place;
 use tokosen_core::drain::{Sink, SinkShape};
+use tokosen_core::features::Role;
 
 /// The points of a table as sinks, then its polygons. What cannot be one is a finding.
 pub(super) fn sinks(path: &Path, mut table: Table) -> Result<Report<Vec<Sink>>> {
-    let mut findings = std::mem::take(&mut table.findings);
     let lines = table.features.iter().map(|feature| feature.lines.len() as u64).sum();
-    let left_out = table
-        .left_out
-        .iter()
-        .map(|(kind, count)| (if kind == NO_GEOMETRY { "features without geometry" } else { kind.as_str() }, *count));
-    for (what, count) in left_out.chain([("lines", lines)]).filter(|(_, count)| *count > 0) {
-        let message = format!("{}: {count} {what} left out; sinks are points or polygons", path.display());
-        findings.push(Finding::general(FindingKind::SkippedFeature, message));
-    }
+    table.report_left_out(path, Role::Sinks, Some(("lines", lines)));
+    let mut findings = std::mem::take(&mut table.findings);
     if table.features.iter().all(|feature| feature.spots.is_empty() && feature.polygons.is_empty()) {
         let found = table.found_words();
         return Err(Error::file(

@@ -4,6 +4,7 @@
 //! Other attributes are not kept; one example value of each remains for messages.
 
 use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
 
 use glam::DVec2;
 
@@ -11,9 +12,10 @@ use super::attributes::{
     is_depth_name, is_elevation_name, is_kind_name, is_open_name, is_sigma_name, may_give_unit, may_mark, unit_in_name,
 };
 use super::unit_words::LengthWord;
-use tokosen_core::base::error::Finding;
+use tokosen_core::base::error::{Finding, FindingKind};
 use tokosen_core::contour::UnitHint;
 use tokosen_core::crs::{Crs, LengthUnit};
+use tokosen_core::features::Role;
 
 /// What the caller requests from a reader.
 pub(super) struct Request<'a> {
@@ -36,18 +38,8 @@ pub(super) enum Purpose {
     Spots,
     /// Polygons that bound an area. For lines and points, polygons are left out.
     Area,
-    /// Polygons of water, with their heights.
-    Water,
-    /// Lines whose attributes do not count, such as cliffs.
-    Lines,
-    /// Lines and areas of rivers and streams.
-    Streams,
-    /// Break lines, with their heights and their kind.
-    BreakLines,
-    /// Lines of a coast, or polygons of land or sea.
-    Coast,
-    /// Points and polygons where water may stay.
-    Sinks,
+    /// Features in a role beside the contours.
+    Features(Role),
 }
 
 /// An attribute of the features.
@@ -210,18 +202,32 @@ impl Table {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
             wants_marks: request.purpose == Purpose::Contours,
-            wants_kinds: request.purpose == Purpose::BreakLines,
+            wants_kinds: request.purpose == Purpose::Features(Role::BreakLines),
             wants_sigmas: request.purpose == Purpose::Spots,
-            wants_polygons: matches!(
-                request.purpose,
-                Purpose::Area | Purpose::Water | Purpose::Coast | Purpose::Streams | Purpose::Sinks
-            ),
+            wants_polygons: match request.purpose {
+                Purpose::Area => true,
+                Purpose::Features(role) => !matches!(role, Role::Cliffs | Role::BreakLines),
+                Purpose::Contours | Purpose::Spots => false,
+            },
             wants_rings: request.purpose == Purpose::Contours,
             wants_units: matches!(
                 request.purpose,
-                Purpose::Contours | Purpose::Spots | Purpose::Water | Purpose::Coast
+                Purpose::Contours | Purpose::Spots | Purpose::Features(Role::Water | Role::Coast)
             ),
             ..Self::default()
+        }
+    }
+
+    /// Reports the geometries that were left out, and `also` others, because features in this role have other shapes.
+    pub fn report_left_out(&mut self, path: &Path, role: Role, also: Option<(&str, u64)>) {
+        let kinds = self.left_out.iter();
+        let kinds = kinds.map(|(kind, count)| {
+            (if kind == NO_GEOMETRY { "features without geometry" } else { kind.as_str() }, *count)
+        });
+        let kinds: Vec<(&str, u64)> = kinds.chain(also).filter(|(_, count)| *count > 0).collect();
+        for (what, count) in kinds {
+            let message = format!("{}: {count} {what} left out; {}", path.display(), role.shapes());
+            self.findings.push(Finding::general(FindingKind::SkippedFeature, message));
         }
     }
 

@@ -210,6 +210,8 @@ impl Reading<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tokosen_core::features::Role;
+
     use crate::table::{Purpose, Request};
 
     fn read(text: &str, purpose: Purpose) -> Result<(Feature, Vec<String>), String> {
@@ -247,7 +249,8 @@ mod tests {
         let text = "MULTIPOLYGON (((0 0, 9 0, 9 9, 0 0), (5 1, 8 1, 8 2, 5 1)), ((20 0, 29 0, 29 9, 20 0)))";
         let (feature, _) = read(text, Purpose::Area).expect("polygons");
         assert_eq!(feature.polygons.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1]);
-        let (feature, _) = read("POLYGON Z ((0 0 5, 9 0 5, 9 9 5, 0 0 5))", Purpose::Water).expect("a polygon");
+        let (feature, _) =
+            read("POLYGON Z ((0 0 5, 9 0 5, 9 9 5, 0 0 5))", Purpose::Features(Role::Water)).expect("a polygon");
         assert_eq!((feature.polygons.len(), feature.polygon_z), (1, Some([5.0, 5.0])));
         let (feature, left_out) = read(text, Purpose::Contours).expect("polygons");
         assert!(feature.polygons.is_empty() && left_out == ["Polygon"]);

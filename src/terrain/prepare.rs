@@ -209,7 +209,7 @@ impl Input {
         self.report_sides_elsewhere();
         let part = self.take_part();
         let map = std::mem::take(&mut self.map);
-        let water = Water { lakes: std::mem::take(&mut self.lakes), sea, coast: self.coast.clone() };
+        let water = Water { lakes: std::mem::take(&mut self.features.lakes), sea, coast: self.coast.clone() };
         let subdivision = self.found(subdivide_with_water(map, &self.frame, &water, progress))?;
         self.check_strict()?;
         let covered = part.map(|part| part.of(&subdivision.frame.area)).transpose()?;
@@ -235,7 +235,7 @@ impl Input {
         tolerance: Option<f64>,
         progress: &dyn Progress,
     ) -> Result<Vec<Stream>> {
-        let streams = Streams { lines: std::mem::take(&mut self.streams), areas: Vec::new(), tolerance };
+        let streams = Streams { lines: std::mem::take(&mut self.features.streams), areas: Vec::new(), tolerance };
         let params = SurfaceParams { streams, ..SurfaceParams::default() };
         params.check()?;
         let settled = settle_lines(subdivision, &params, progress);

@@ -40,12 +40,12 @@ impl Input {
     /// Reports the side inputs of which nothing lies near the contours.
     pub(super) fn report_sides_elsewhere(&mut self) {
         let sides = [
-            ("streams", Extent::of(self.streams.iter().flat_map(|line| line.points.iter().copied()))),
-            ("river areas", Extent::of(self.river_areas.iter().flat_map(|area| corners(&area.polygon)))),
-            ("lakes", Extent::of(self.lakes.iter().flat_map(|lake| corners(&lake.polygon)))),
-            ("break lines", Extent::of(self.creases.iter().flat_map(|line| line.points.iter().copied()))),
-            ("cliffs", Extent::of(self.cliffs.iter().flatten().copied())),
-            ("sinks", Extent::of(self.sinks.iter().flat_map(|sink| places(&sink.shape)))),
+            ("streams", Extent::of(self.features.streams.iter().flat_map(|line| line.points.iter().copied()))),
+            ("river areas", Extent::of(self.features.river_areas.iter().flat_map(|area| corners(&area.polygon)))),
+            ("lakes", Extent::of(self.features.lakes.iter().flat_map(|lake| corners(&lake.polygon)))),
+            ("break lines", Extent::of(self.features.break_lines.iter().flat_map(|line| line.points.iter().copied()))),
+            ("cliffs", Extent::of(self.features.cliffs.iter().flat_map(|line| line.points.iter().copied()))),
+            ("sinks", Extent::of(self.features.sinks.iter().flat_map(|sink| places(&sink.shape)))),
         ];
         let found = sides.into_iter().filter_map(|(what, side)| elsewhere(&self.map, what, side?));
         let found: Vec<Finding> = found.collect();

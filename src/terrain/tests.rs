@@ -11,6 +11,7 @@ use crate::base::error::CrsNeed;
 use crate::base::error::Error;
 use crate::contour::{Contour, ContourMap, Interval, Lake};
 use crate::crs::Crs;
+use crate::features::Features;
 use crate::io::{ReadOptions, read_contours};
 use crate::mesh::MeshParams;
 use crate::raster::Dem;
@@ -179,7 +180,8 @@ fn further_inputs_come_from_memory() {
     input.add_spots([spot], Some(&Crs::from_epsg(6668))).unwrap();
     assert!(input.map.spots[0].distance(DVec3::new(1.0, 2.0, 25.0)) < 1e-4, "{}", input.map.spots[0]);
     let square = Rect::new((120.0, -10.0), (140.0, 10.0)).to_polygon();
-    input.add_lakes([Lake { polygon: square, height: Some(14.0), feature: 1.into() }], None).unwrap();
+    let lakes = vec![Lake { polygon: square, height: Some(14.0), feature: 1.into() }];
+    input.add(Features { lakes, ..Features::default() }, None).unwrap();
     let sheet = Rect::new((-150.0, -150.0), (150.0, 150.0)).to_polygon();
     input.set_boundary(&MultiPolygon::new(vec![sheet]), None).unwrap();
     assert!(matches!(input.frame, Frame::Polygon(_)));

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use tokosen::base::error::FindingKind;
 use tokosen::contour::{CliffLine, Contour, ContourMap};
+use tokosen::features::Features;
 use tokosen::terrain::{Preparation, Terrain};
 use tokosen::{GridSpec, Input, InputOptions, Options};
 
@@ -29,7 +30,8 @@ fn error(with_cliff: bool) -> (f64, Vec<FindingKind>) {
     let mut input = Input::from_map(map(), &InputOptions::default()).expect("the map is sound");
     if with_cliff {
         let points = vec![DVec2::new(0.0, -10.0), DVec2::new(0.0, 610.0)];
-        input.add_cliffs([CliffLine { points, feature: 1.into() }], None).expect("there is no system");
+        let cliffs = vec![CliffLine { points, feature: 1.into() }];
+        input.add(Features { cliffs, ..Features::default() }, None).expect("there is no system");
     }
     let grid = GridSpec::Cell(10.0);
     let options = Options { grid: Some(grid.clone()), preparation: Preparation::default(), ..Options::default() };
@@ -75,7 +77,8 @@ fn elevations_at_a_cliff_that_is_no_multiple_of_the_interval_high_are_no_fault()
         let mut input = Input::from_map(map, &InputOptions::default()).expect("the map is sound");
         if with_cliff {
             let points = vec![DVec2::new(0.0, -60.0), DVec2::new(0.0, 1060.0)];
-            input.add_cliffs([CliffLine { points, feature: 1.into() }], None).expect("there is no system");
+            let cliffs = vec![CliffLine { points, feature: 1.into() }];
+            input.add(Features { cliffs, ..Features::default() }, None).expect("there is no system");
         }
         let terrain = Terrain::build(input, &Options::default()).expect("the map has a surface");
         terrain.findings.iter().map(|f| f.kind).collect::<Vec<_>>()

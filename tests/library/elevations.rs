@@ -10,6 +10,7 @@ use tempfile::TempDir;
 use tokosen::base::error::{Finding, FindingKind};
 use tokosen::base::{ElevationUnit, FeatureId};
 use tokosen::crs::Crs;
+use tokosen::features::Role;
 use tokosen::io::layer::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_layers};
 use tokosen::terrain::{Preparation, Repair};
@@ -241,9 +242,9 @@ fn lakes_and_coasts_have_units_of_their_own() {
     let lakes = write(&folder, "lakes.geojson", &[area(200.0, "feet")]);
     let coast = write(&folder, "coast.geojson", &[line(&ring(450.0), json!({"elev": 10, "units": "feet"}))]);
     let mut input = read(&rings((0..3).map(|k| json!({"elev": 30 + 10 * k}))), &InputOptions::default()).unwrap();
-    input.read_lakes(&(&lakes).into()).unwrap();
-    input.read_coast(&(&coast).into()).unwrap();
-    assert_eq!(input.lakes[0].height, Some(ElevationUnit::Foot.metres(200.0)));
+    input.read_features(Role::Water, &(&lakes).into()).unwrap();
+    input.read_features(Role::Coast, &(&coast).into()).unwrap();
+    assert_eq!(input.features.lakes[0].height, Some(ElevationUnit::Foot.metres(200.0)));
     assert_eq!(input.coast, [ElevationUnit::Foot.metres(10.0)]);
     assert_eq!(kinds(&input.findings), [FindingKind::HeightUnit; 2]);
 }

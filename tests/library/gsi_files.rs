@@ -8,8 +8,9 @@ use glam::{DVec2, DVec3};
 use tokosen::base::error::{FindingKind, Report};
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::ContourMap;
+use tokosen::features::Role;
 use tokosen::io::gsi::{GsiDem, Product, read_dem};
-use tokosen::io::{ReadOptions, read_area, read_contours, read_spot_heights, read_water};
+use tokosen::io::{FileFeatures, ReadOptions, read_area, read_contours, read_features, read_spot_heights};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -548,8 +549,9 @@ fn water_areas_are_lakes_and_their_pieces_are_united() {
     folder.write("FG-GML-543745-WA-1.xml", dataset(&first.concat()));
     folder.write("FG-GML-543746-WA-1.xml", dataset(&[water("湖池", &east, None), water("海", &apart, None)].concat()));
     folder.write("FG-GML-543746-WL-1.xml", dataset(&shore("水涯線（河川）", "36.3 137.7 36.4 137.7")));
-    let report = read_water(folder.path(), &ReadOptions::default()).unwrap();
-    let (lakes, crs) = &report.value;
+    let report = read_features(Role::Water, folder.path(), &ReadOptions::default()).unwrap();
+    let FileFeatures { features, crs, .. } = &report.value;
+    let lakes = &features.lakes;
     assert_eq!(crs.as_ref().and_then(|crs| crs.epsg), Some(6668));
     assert_eq!(lakes.len(), 2, "{lakes:?}");
     assert_eq!((lakes[0].height, lakes[0].polygon.interiors().len()), (None, 1));
@@ -573,8 +575,9 @@ fn closed_shores_are_lakes_where_there_are_no_water_areas() {
         ]
         .concat(),
     );
-    let report = read_water(&folder.write("FG-GML-543745-WL-1.xml", text), &ReadOptions::default()).unwrap();
-    let (lakes, _) = &report.value;
+    let path = folder.write("FG-GML-543745-WL-1.xml", text);
+    let report = read_features(Role::Water, &path, &ReadOptions::default()).unwrap();
+    let lakes = &report.value.features.lakes;
     assert_eq!((lakes.len(), lakes[0].polygon.interiors().len(), lakes[0].height), (1, 1, None));
     assert_eq!(kinds(&report), [FindingKind::SkippedFeature]);
     assert!(report.findings[0].message.starts_with("2 water edges"), "{:?}", report.findings);

@@ -12,8 +12,9 @@ use tempfile::TempDir;
 use tokosen::base::error::{FindingKind, Result};
 use tokosen::contour::{Contour, ContourLayer, ContourLine, Source};
 use tokosen::crs::Crs;
+use tokosen::features::Role;
 use tokosen::io::layer::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, read_spot_heights, read_water};
+use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, read_features, read_spot_heights};
 use tokosen::io::{write_contours, write_layers};
 
 fn write(path: &Path, layers: &[Layer<'_>]) {
@@ -93,7 +94,7 @@ fn read_damaged(path: &Path) {
         refused += u32::from(read(path).is_err());
         let _ = read_spot_heights(path, &ReadOptions::default());
         let _ = read_area(path, &ReadOptions::default());
-        let _ = read_water(path, &ReadOptions::default());
+        let _ = read_features(Role::Water, path, &ReadOptions::default());
     }
     assert!(refused > 100, "{refused}");
     for end in [0, 1, 7, 8, 11, 12, 40, whole.len() / 2, whole.len() - 400] {
@@ -149,7 +150,7 @@ fn areas_and_attributes_of_a_flatgeobuf() {
     found.sort_unstable();
     wanted.sort_unstable();
     assert_eq!(found, wanted);
-    let (lakes, _) = read_water(&path, &ReadOptions::default()).unwrap().value;
+    let lakes = read_features(Role::Water, &path, &ReadOptions::default()).unwrap().value.features.lakes;
     let mut heights: Vec<Option<f64>> = lakes.iter().map(|lake| lake.height).collect();
     heights.sort_by(|a, b| a.partial_cmp(b).unwrap());
     assert_eq!(heights, [None, Some(0.1 + 0.2)]);

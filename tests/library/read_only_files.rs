@@ -13,9 +13,10 @@ use tiff::encoder::{TiffEncoder, colortype};
 use tiff::tags::Tag;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::crs::{Crs, Transform};
+use tokosen::features::Role;
 use tokosen::io::raster::{read_dem, read_grid, write_dem};
 use tokosen::io::{
-    Content, ReadOptions, VectorSource, content, read_area, read_contours, read_spot_heights, read_streams,
+    Content, ReadOptions, VectorSource, content, read_area, read_contours, read_features, read_spot_heights,
 };
 
 fn put(dir: &TempDir, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
@@ -125,8 +126,8 @@ fn tables_of_well_known_text() {
     let path = put(&dir, "d.csv", mixed);
     assert_eq!(read_spot_heights(&path, &ReadOptions::default()).unwrap().value.points, [DVec3::new(1.0, 2.0, 5.0)]);
     assert_eq!(read_area(&path, &ReadOptions::default()).unwrap().0.0.len(), 1);
-    let (streams, _) = read_streams(&path, &ReadOptions::default()).unwrap().value;
-    assert_eq!((streams.lines.len(), streams.areas.len()), (1, 1));
+    let found = read_features(Role::Streams, &path, &ReadOptions::default()).unwrap().value.features;
+    assert_eq!((found.streams.len(), found.river_areas.len()), (1, 1));
     for (text, words) in [
         ("WKT,elev\n\"LINESTRING (1 2,3\",10\n", "line 2: the geometry"),
         ("WKT,elev\nhill,10\n", "line 2: the geometry"),

@@ -6,8 +6,10 @@ use std::fs;
 use std::path::Path;
 
 use rusqlite::Connection;
+use tokosen::features::Role;
 use tokosen::io::raster::read_dem;
-use tokosen::io::{ReadOptions, read_streams};
+use tokosen::io::{ReadOptions, read_features};
+use tokosen::streams::StreamLine;
 
 use crate::common::Folder;
 use crate::running::{Running, folder_with, folder_with_part};
@@ -38,16 +40,19 @@ fn with_streams(folder: Folder) -> Folder {
 
 /// The streams of a file of diagnostics: their heights, and the column `turned`.
 fn used(path: &Path) -> usize {
+    streams_of(path).len()
+}
+
+fn streams_of(diagnostics: &Path) -> Vec<StreamLine> {
     let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
-    read_streams(path, &options).unwrap().value.0.lines.len()
+    read_features(Role::Streams, diagnostics, &options).unwrap().value.features.streams
 }
 
 /// How much heights rise along the streams of a file of diagnostics, read at the nearest cell, metres.
 fn rises(height_map: &Path, diagnostics: &Path) -> f32 {
     let dem = read_dem(height_map).unwrap().value.dem;
-    let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
     let mut sum = 0.0;
-    for stream in &read_streams(diagnostics, &options).unwrap().value.0.lines {
+    for stream in &streams_of(diagnostics) {
         let along = stream.points.windows(2).flat_map(|w| (0..4).map(|k| w[0].lerp(w[1], f64::from(k) / 4.0)));
         let read = |p: glam::DVec2| {
             let place = dem.grid.place(p).round();

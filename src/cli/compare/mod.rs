@@ -16,7 +16,9 @@ use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, rea
 
 use super::console::Console;
 use super::failure::Failure;
-use super::output;
+use super::input::InputArgs;
+use super::output::{self, ABOUT_GRID};
+use super::surface::ABOUT_SURFACE;
 use super::unit::UnitArg;
 use super::{memory, summary};
 
@@ -80,6 +82,7 @@ pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Co
 
 /// Checks what can be checked before anything is read, and returns what A and B are.
 fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure> {
+    let flags = &console.flags;
     let contents = [args.input.map.content()?, content(&args.b.path)?];
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
@@ -88,22 +91,22 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     }
     if contents == [Content::HeightMap; 2] {
         // Check points have a unit too.
-        let about_contours =
-            args.input.about_contours().filter(|flag| !(*flag == "--unit" && args.input.map.points.is_some()));
-        if let Some(flag) = about_contours.or_else(|| args.surface.given()) {
+        let but = args.input.map.points.as_ref().map(|_| "--unit");
+        let about_contours = InputArgs::about_contours(flags, but);
+        if let Some(flag) = about_contours.or_else(|| flags.first(&ABOUT_SURFACE)) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but both inputs are height maps")));
         }
     }
     if contents == [Content::Contours; 2] {
-        if args.grid.given().is_none() {
+        if flags.first(&ABOUT_GRID).is_none() {
             return Err(Failure::Usage("two surfaces need a common grid: give --cell SIZE or --like RASTER".into()));
         }
         args.grid.check(None)?;
-    } else if args.grid.given().is_some() {
+    } else if flags.first(&ABOUT_GRID).is_some() {
         return Err(Failure::Usage("the grid is that of the height map: leave out --cell and --like".into()));
     }
     if contents != [Content::HeightMap; 2] {
-        args.surface.check()?;
+        args.surface.check(flags)?;
     }
     let files = args.input.map.files()?;
     let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);

@@ -9,6 +9,7 @@ use tokosen::base::error::{Error, Result};
 use super::file::RunFile;
 use super::inputs::input;
 use crate::cli::failure::Failure;
+use crate::cli::flags::Flags;
 use crate::cli::negative::joined;
 use crate::cli::{Cli, Common};
 
@@ -30,6 +31,8 @@ struct RepeatArgs {
 pub struct Repeated {
     /// The run as it is repeated.
     pub cli: Cli,
+    /// The flags that are given in it.
+    pub flags: Flags,
     /// The run as it was saved.
     pub saved: RunFile,
     /// What is different now, in sentences.
@@ -70,9 +73,9 @@ pub fn repeated(arguments: &[OsString]) -> std::result::Result<Repeated, Failure
         error => error,
     })?);
     let arguments = std::iter::once("tokosen").chain(saved.arguments.iter().map(String::as_str)).map(OsString::from);
-    let cli = Cli::try_parse_from(joined(Cli::command(), arguments)).map_err(|error| unfit(&error))?;
+    let (cli, flags) = Cli::with_flags(joined(Cli::command(), arguments)).map_err(|error| unfit(&error))?;
     let common = merged(common, &cli.common);
-    Ok(Repeated { cli: Cli { common, ..cli }, saved, warnings })
+    Ok(Repeated { cli: Cli { common, ..cli }, flags, saved, warnings })
 }
 
 fn absolute(path: PathBuf) -> Result<PathBuf> {

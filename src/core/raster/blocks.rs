@@ -69,7 +69,7 @@ impl<'a> Blocks<'a> {
     ///
     /// # Errors
     /// As [`RasterRows::read`].
-    pub fn next(&mut self) -> Result<Option<&Block>> {
+    pub fn next_block(&mut self) -> Result<Option<&Block>> {
         let Self { source, grid: Grid { cols, rows, .. }, length, ref mut block } = *self;
         let first = block.rows.end;
         if first >= rows || cols == 0 {
@@ -94,7 +94,7 @@ impl<'a> Blocks<'a> {
 pub fn each_pair([a, b]: [&dyn RasterRows; 2], mut of_block: impl FnMut(&Block, &Block)) -> Result<()> {
     let (mut a, mut b) = (Blocks::of(a), Blocks::of(b));
     loop {
-        let (block_a, block_b) = rayon::join(|| a.next(), || b.next());
+        let (block_a, block_b) = rayon::join(|| a.next_block(), || b.next_block());
         let (Some(block_a), Some(block_b)) = (block_a?, block_b?) else { return Ok(()) };
         of_block(block_a, block_b);
     }
@@ -114,7 +114,7 @@ mod tests {
         for length in 1..9 {
             let mut blocks = Blocks::of_length(&dem, length);
             let mut next = 0;
-            while let Some(block) = blocks.next().unwrap() {
+            while let Some(block) = blocks.next_block().unwrap() {
                 assert_eq!(block.heights(), &dem.values[block.rows.start * 2..block.rows.end * 2]);
                 for row in block.rows.clone() {
                     assert_eq!(row, next);

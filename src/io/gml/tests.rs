@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::{ReadOptions, read_contours, read_spot_heights, read_water};
+use crate::{ReadOptions, read_contours, read_features, read_spot_heights};
+use tokosen_core::features::Role;
 
 fn file(folder: &Path, members: &str) -> PathBuf {
     let path = folder.join("in.gml");
@@ -152,7 +153,7 @@ fn points_and_polygons() {
     let path = file(dir.path(), &members);
     let spots = read_spot_heights(&path, &ReadOptions::default()).expect("a point").value;
     assert_eq!(spots.points, [DVec3::new(5.0, 6.0, 70.0)]);
-    let (lakes, _) = read_water(&path, &ReadOptions::default()).expect("a lake").value;
+    let lakes = read_features(Role::Water, &path, &ReadOptions::default()).expect("a lake").value.features.lakes;
     assert_eq!((lakes.len(), lakes[0].height), (1, Some(12.0)));
     let error = contours(&path, None).expect_err("no line").to_string();
     assert!(error.contains("1 Polygon"), "{error}");

@@ -14,6 +14,7 @@ use crate::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 use tokosen_core::base::memory;
 use tokosen_core::crs::Crs;
+use tokosen_core::features::Role;
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
 /// three seconds. A view that joins itself can go on for ever.
@@ -167,14 +168,14 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     let outlines: Vec<_> = lines.iter().chain(&polygons).copied().collect();
     let either: Vec<_> = points.iter().chain(&polygons).copied().collect();
     let (wanted, what) = match request.purpose {
-        Purpose::Streams if lines.is_empty() => (&polygons, "lines or polygons"),
+        Purpose::Features(Role::Streams) if lines.is_empty() => (&polygons, "lines or polygons"),
         // Contours may be stored as polygons.
         Purpose::Contours if lines.is_empty() && !contours.is_empty() => (&contours, "polygons"),
-        Purpose::Contours | Purpose::Streams | Purpose::Lines | Purpose::BreakLines => (&lines, "lines"),
+        Purpose::Contours | Purpose::Features(Role::Streams | Role::Cliffs | Role::BreakLines) => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
-        Purpose::Area | Purpose::Water => (&polygons, "polygons"),
-        Purpose::Coast => (&outlines, "lines or polygons"),
-        Purpose::Sinks => (&either, "points or polygons"),
+        Purpose::Area | Purpose::Features(Role::Exclude | Role::Water) => (&polygons, "polygons"),
+        Purpose::Features(Role::Coast) => (&outlines, "lines or polygons"),
+        Purpose::Features(Role::Sinks) => (&either, "points or polygons"),
     };
     match wanted.as_slice() {
         [] => Err(Error::file(path, format!("there is no layer of {what}; its layers are {}", names(&all)))),

@@ -23,6 +23,7 @@ use crate::shapefile::grouped;
 use crate::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
 use crate::xml::{Step, Xml};
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::features::Role;
 
 /// The attributes that are used.
 const FIELDS: [&str; 6] = ["fid", "orgGILvl", "vis", "type", "name", "alti"];
@@ -62,25 +63,25 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let (items, words): (&[Item], &str) = match request.purpose {
         Purpose::Contours => (&[Item::Contour, Item::SpotHeight], "contour (Cntr) or spot height (ElevPt)"),
         Purpose::Spots => (&[Item::SpotHeight], "spot height (ElevPt)"),
-        Purpose::Water => (&[Item::WaterArea, Item::WaterEdge], "water (WA, WL)"),
-        Purpose::Area => {
+        Purpose::Features(Role::Water) => (&[Item::WaterArea, Item::WaterEdge], "water (WA, WL)"),
+        Purpose::Area | Purpose::Features(Role::Exclude) => {
             let message = "files of 基盤地図情報 hold no frame; name a file with a polygon, or take hull or bbox";
             return Err(Error::file(path, message));
         }
-        Purpose::Coast => {
+        Purpose::Features(Role::Coast) => {
             let message = "the coast of 基盤地図情報 is not read; name a file with lines or polygons";
             return Err(Error::file(path, message));
         }
-        Purpose::Sinks => {
+        Purpose::Features(Role::Sinks) => {
             let message = "files of 基盤地図情報 hold no sinks; name a file with points or polygons";
             return Err(Error::file(path, message));
         }
-        Purpose::Streams | Purpose::Lines => {
+        Purpose::Features(Role::Streams | Role::Cliffs) => {
             let message =
                 "files of 基盤地図情報 hold the edges of rivers (WL) and no lines along them; name a file with lines";
             return Err(Error::file(path, message));
         }
-        Purpose::BreakLines => {
+        Purpose::Features(Role::BreakLines) => {
             return Err(Error::file(path, "files of 基盤地図情報 hold no break lines; name a file with lines"));
         }
     };

@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::{ReadOptions, read_contours, read_spot_heights, read_water};
+use crate::{FileFeatures, ReadOptions, read_contours, read_features, read_spot_heights};
+use tokosen_core::features::Role;
 
 const START: &str = "<?xml version=\"1.0\"?><kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>";
 
@@ -84,7 +85,9 @@ fn points_and_polygons() {
     let path = file(dir.path(), &placemarks);
     let spots = read_spot_heights(&path, &ReadOptions::default()).expect("a point").value;
     assert_eq!(spots.points, [DVec3::new(5.0, 6.0, 70.0)]);
-    let (lakes, crs) = read_water(&path, &ReadOptions::default()).expect("a lake").value;
+    let FileFeatures { features, crs, .. } =
+        read_features(Role::Water, &path, &ReadOptions::default()).expect("a lake").value;
+    let lakes = features.lakes;
     assert_eq!((lakes.len(), lakes[0].height, crs.and_then(|crs| crs.epsg)), (1, Some(12.0), Some(4326)));
     let error = elevations(&path, None).expect_err("no line").to_string();
     assert!(error.contains("1 Polygon") && error.contains("1 no geometry"), "{error}");

@@ -152,7 +152,7 @@ impl<'a> Raster<'a> {
         let room = self.beginning(&[Places { offsets: vec![0; image.count()], lengths: vec![0; image.count()] }]).len();
         let mut at = out.seek(SeekFrom::Start(room as u64))?;
         let mut blocks = Blocks::of_length(rows, TILE * (BATCH / across).max(1));
-        while let Some(block) = blocks.next().map_err(Filled::Values)? {
+        while let Some(block) = blocks.next_block().map_err(Filled::Values)? {
             let values = block.heights();
             if values.contains(&self.nodata) {
                 return Ok(false);

@@ -48,7 +48,7 @@ pub fn write_shade(path: &Path, shade: &dyn RasterRows) -> Result<()> {
     check_grid(path, &grid)?;
     let mut grey = uniform(grid.len(), 0)?;
     let mut blocks = Blocks::of(shade);
-    while let Some(block) = blocks.next()? {
+    while let Some(block) = blocks.next_block()? {
         let pixels = grey[block.rows.start * grid.cols..].iter_mut().zip(block.heights());
         pixels.filter(|(_, v)| !v.is_nan()).for_each(|(pixel, v)| *pixel = v.round().clamp(1.0, 255.0) as u8);
     }

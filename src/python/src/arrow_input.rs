@@ -11,18 +11,18 @@ use geoarrow_array::array::from_arrow_array;
 use geoarrow_array::{GeoArrowArrayAccessor, downcast_geoarrow_array};
 use geoarrow_schema::GeoArrowType;
 use tokosen::crs::Crs;
-use tokosen::io::{Attribute, Features};
+use tokosen::io::{Attribute, MemoryLayer};
 use wkb::writer::{WriteOptions, write_geometry};
 
 /// The features of a table.
 ///
 /// # Errors
 /// A sentence if there is no column with geometries or several, or a geometry cannot be read.
-pub fn features(batches: &[RecordBatch], schema: &Schema) -> Result<Features, String> {
+pub fn features(batches: &[RecordBatch], schema: &Schema) -> Result<MemoryLayer, String> {
     let fields = schema.fields();
     let geometry = geometry_column(schema)?;
     let field = &fields[geometry];
-    let mut features = Features { crs: crs_of(field), offsets: vec![0], ..Features::default() };
+    let mut features = MemoryLayer { crs: crs_of(field), offsets: vec![0], ..MemoryLayer::default() };
     for batch in batches {
         let column = from_arrow_array(batch.column(geometry), field).map_err(|e| e.to_string())?;
         let column = column.as_ref();
@@ -55,7 +55,7 @@ fn geometry_column(schema: &Schema) -> Result<usize, String> {
 }
 
 /// Adds the geometries of a column as WKB.
-fn add<'a>(column: &'a impl GeoArrowArrayAccessor<'a>, features: &mut Features) -> Result<(), String> {
+fn add<'a>(column: &'a impl GeoArrowArrayAccessor<'a>, features: &mut MemoryLayer) -> Result<(), String> {
     let options = WriteOptions::default();
     for geometry in column.iter() {
         if let Some(geometry) = geometry {

@@ -5,6 +5,7 @@ use tokosen::base::progress::Progress;
 use tokosen::contour::SoftSpot;
 use tokosen::crs::Crs;
 use tokosen::dem::contour::ContourParams;
+use tokosen::features::Role;
 use tokosen::io::VectorSource;
 use tokosen::raster::Dem;
 use tokosen::subdomains::Frame;
@@ -22,13 +23,10 @@ pub struct Recipe {
     options: InputOptions,
     points: Option<Points>,
     points_sigma: Option<f64>,
-    coast: Option<CoastRecipe>,
-    exclude: Vec<VectorSource>,
-    cliffs: Vec<VectorSource>,
-    water: Option<VectorSource>,
-    streams: Vec<VectorSource>,
-    breaklines: Vec<VectorSource>,
-    sinks: Vec<VectorSource>,
+    /// The level of the contours that are the coast.
+    coast_level: Option<f64>,
+    /// Lines, polygons and points beside the contours.
+    features: Vec<(Role, VectorSource)>,
     frame: FrameRecipe,
     extend: bool,
     base: Option<BaseRecipe>,
@@ -44,11 +42,6 @@ enum Contours {
 enum Points {
     Vector(VectorSource),
     Array(std::sync::Arc<[glam::DVec3]>, Option<Crs>),
-}
-
-enum CoastRecipe {
-    Level(f64),
-    Lines(VectorSource),
 }
 
 enum FrameRecipe {
@@ -113,9 +106,6 @@ impl Recipe {
     /// Takes what is needed out of Python's objects.
     pub fn new(py: Python<'_>, contours: &[PyRef<'_, Source>], given: &Given) -> PyResult<Self> {
         let vector = |source: &Py<Source>, what: &str| source.get().vector(py, what);
-        let all = |given: &[Py<Source>], what: &str| -> PyResult<Vec<VectorSource>> {
-            given.iter().map(|source| vector(source, what)).collect()
-        };
         let one =
             |given: &Option<Py<Source>>, what: &str| given.as_ref().map(|source| vector(source, what)).transpose();
         if let Some(sigma) = given.points_sigma.filter(|sigma| !(sigma.is_finite() && *sigma >= 0.0)) {
@@ -159,14 +149,30 @@ impl Recipe {
             Some(GivenSource::Vector(source)) => Some(Points::Vector(source.clone())),
             Some(GivenSource::Lines(_)) => return Err(parameter(py, "points are points, and these are lines")),
         };
-        let coast = match &given.coast {
-            None => None,
+        let (mut coast_level, mut coast) = (None, None);
+        match &given.coast {
+            None => {}
             Some(Coast::Level(level)) if !level.is_finite() => {
                 return Err(parameter(py, format!("coast is {level}, which is no elevation")));
             }
-            Some(Coast::Level(level)) => Some(CoastRecipe::Level(*level)),
-            Some(Coast::Lines(source)) => Some(CoastRecipe::Lines(vector(source, "coast")?)),
-        };
+            Some(Coast::Level(level)) => coast_level = Some(*level),
+            Some(Coast::Lines(source)) => coast = Some(source),
+        }
+        let mut features = Vec::new();
+        for role in Role::all() {
+            let sources: Vec<&Py<Source>> = match role {
+                Role::Coast => coast.into_iter().collect(),
+                Role::Exclude => given.exclude.iter().collect(),
+                Role::Cliffs => given.cliffs.iter().collect(),
+                Role::Water => given.water.iter().collect(),
+                Role::Streams => given.streams.iter().collect(),
+                Role::BreakLines => given.breaklines.iter().collect(),
+                Role::Sinks => given.sinks.iter().collect(),
+            };
+            for source in sources {
+                features.push((role, vector(source, role.name())?));
+            }
+        }
         let frame = match &given.frame {
             GivenFrame::Area(source) => FrameRecipe::Area(vector(source, "frame")?),
             GivenFrame::Named(name) => match name.as_str() {
@@ -187,13 +193,8 @@ impl Recipe {
             options,
             points,
             points_sigma: given.points_sigma,
-            coast,
-            exclude: all(&given.exclude, "exclude")?,
-            cliffs: all(&given.cliffs, "cliffs")?,
-            water: one(&given.water, "water")?,
-            streams: all(&given.streams, "streams")?,
-            breaklines: all(&given.breaklines, "breaklines")?,
-            sinks: all(&given.sinks, "sinks")?,
+            coast_level,
+            features,
             frame,
             extend: given.extend,
             base,
@@ -222,13 +223,8 @@ impl Recipe {
                 None => input.add_spots(points.iter().copied(), crs.as_ref())?,
             },
         }
-        match &self.coast {
-            None => {}
-            Some(CoastRecipe::Level(level)) => input.set_coast_level(*level)?,
-            Some(CoastRecipe::Lines(source)) => input.read_coast(source)?,
-        }
-        self.exclude.iter().try_for_each(|source| input.read_excluded(source))?;
-        self.cliffs.iter().try_for_each(|source| input.read_cliffs(source))?;
+        self.coast_level.iter().try_for_each(|level| input.set_coast_level(*level))?;
+        self.read(&mut input, &[Role::Coast, Role::Exclude, Role::Cliffs])?;
         self.frame(&mut input)?;
         self.part(&mut input)?;
         Ok(input)
@@ -265,27 +261,15 @@ impl Recipe {
         Ok(())
     }
 
-    /// Adds the lakes.
-    pub fn water(&self, input: &mut Input) -> Result<()> {
-        self.water.iter().try_for_each(|source| input.read_lakes(source))
-    }
-
-    /// Adds the streams.
-    pub fn streams(&self, input: &mut Input) -> Result<()> {
-        self.streams.iter().try_for_each(|source| input.read_streams(source))
-    }
-
-    /// Adds the break lines.
-    pub fn breaklines(&self, input: &mut Input) -> Result<()> {
-        self.breaklines.iter().try_for_each(|source| input.read_break_lines(source))
+    /// Adds the features in some roles.
+    pub fn read(&self, input: &mut Input, roles: &[Role]) -> Result<()> {
+        let wanted = self.features.iter().filter(|(role, _)| roles.contains(role));
+        wanted.into_iter().try_for_each(|(role, source)| input.read_features(*role, source))
     }
 
     /// Adds everything that a surface needs besides the contours.
     pub fn surface(&self, input: &mut Input) -> Result<()> {
-        self.water(input)?;
-        self.streams(input)?;
-        self.breaklines(input)?;
-        self.sinks.iter().try_for_each(|source| input.read_sinks(source))
+        self.read(input, &[Role::Water, Role::Streams, Role::BreakLines, Role::Sinks])
     }
 
     /// The name of the contours in messages.

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
 use pyo3_arrow::PyTable;
 use tokosen::crs::Crs;
-use tokosen::io::{Attribute, Features, InMemory, VectorSource};
+use tokosen::io::{Attribute, InMemory, MemoryLayer, VectorSource};
 
 use crate::arrow_input;
 use crate::error::{exception, parameter};
@@ -98,7 +98,7 @@ impl Source {
         attributes: Vec<(String, Values<'_>)>,
         crs: Option<&str>,
     ) -> PyResult<Self> {
-        let mut features = Features { crs: self::crs(py, crs)?, offsets: vec![0], ..Features::default() };
+        let mut features = MemoryLayer { crs: self::crs(py, crs)?, offsets: vec![0], ..MemoryLayer::default() };
         for geometry in wkb {
             if !geometry.is_none() {
                 features.wkb.extend_from_slice(geometry.cast::<PyBytes>()?.as_bytes());
@@ -119,7 +119,7 @@ impl Source {
         let features =
             arrow_input::features(&batches, &schema).map_err(|why| parameter(py, format!("{name}: {why}")))?;
         let named = self::crs(py, crs)?;
-        let features = Features { crs: named.or(features.crs), ..features };
+        let features = MemoryLayer { crs: named.or(features.crs), ..features };
         Ok(Self(Given::Vector(VectorSource::in_memory(name, features.into()))))
     }
 

@@ -11,6 +11,7 @@ use tokosen::dem::derive::{
     flow_directions, shade, slope, steep, steep_note,
 };
 use tokosen::dem::shade::{Light, ShadeParams};
+use tokosen::features::Role;
 use tokosen::io::layer::{of_catchments, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
 use tokosen::io::raster::Quantity;
 use tokosen::raster::GroundScale;
@@ -74,9 +75,7 @@ pub fn check(
         input.clean(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?;
         let map = input.map.clone();
-        recipe.water(&mut input)?;
-        recipe.streams(&mut input)?;
-        recipe.breaklines(&mut input)?;
+        recipe.read(&mut input, &[Role::Water, Role::Streams, Role::BreakLines])?;
         let judged = input.judge(&options, progress)?;
         input.findings.sort_by_key(|finding| (std::cmp::Reverse(finding.kind.severity()), finding.kind));
         if strict {
@@ -108,7 +107,7 @@ pub fn regions(
         let mut input = recipe.contours(progress)?;
         options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.prepare(&options.preparation, progress)?;
-        recipe.water(&mut input)?;
+        recipe.read(&mut input, &[Role::Water])?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
         let (subdivision, part) = input.subdivide(options.sea, progress)?;
         let forms = landforms(&subdivision.tin, &subdivision.regions);
@@ -139,8 +138,7 @@ pub fn skeleton(
         options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.prepare(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
-        recipe.water(&mut input)?;
-        recipe.streams(&mut input)?;
+        recipe.read(&mut input, &[Role::Water, Role::Streams])?;
         let (subdivision, part) = input.subdivide(options.sea, progress)?;
         let mut streams = input.settle_streams(&subdivision, options.stream_tolerance, progress)?;
         progress.start("ridge and canyon lines", 0);

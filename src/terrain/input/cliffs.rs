@@ -5,9 +5,8 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use super::Input;
-use crate::base::error::{Finding, FindingKind, Result};
+use crate::base::error::{Finding, FindingKind};
 use crate::contour::CliffLine;
-use crate::crs::Crs;
 use crate::tuning::CliffTuning;
 
 /// Findings that a cliff explains.
@@ -23,29 +22,13 @@ const EXPLAINED: [FindingKind; 8] = [
 ];
 
 impl Input {
-    /// Adds cliffs. Ends of contours beside them are no gaps. They are in the contours' coordinate reference system if
-    /// `crs` is `None`. Call it before [`Input::prepare`].
-    ///
-    /// A line with a vertex that has no place on the working plane is left out, with a finding.
-    ///
-    /// # Errors
-    /// If their system cannot be converted to the working one.
-    pub fn add_cliffs(&mut self, lines: impl IntoIterator<Item = CliffLine>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
-        let mut added = Vec::new();
-        for line in lines {
-            let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
-            match points.collect::<Result<Vec<DVec2>>>() {
-                Ok(points) => added.push(points),
-                Err(error) => {
-                    let message = format!("cliff {} is left out: {error}", line.feature);
-                    let finding = Finding::general(FindingKind::CliffLeftOut, message);
-                    self.findings.push(finding.of_feature(line.feature));
-                }
-            }
+    /// Takes cliffs, which are on the working plane. Ends of contours beside them are no gaps.
+    pub(super) fn take_cliffs(&mut self, lines: Vec<CliffLine>) {
+        if lines.is_empty() {
+            return;
         }
         self.cliff_reach = CliffTuning::default().reach * self.mean_spacing();
-        let near = NearCliffs::new(&added, self.cliff_reach);
+        let near = NearCliffs::new(&lines, self.cliff_reach);
         let mut met = Vec::new();
         for line in self.map.contours.iter().filter(|line| !line.is_closed()) {
             let ends = [line.points.first(), line.points.last()].into_iter().flatten().copied();
@@ -60,8 +43,7 @@ impl Input {
             self.findings.push(Finding::general(FindingKind::AtCliff, message));
         }
         self.map.cut_ends.extend(met);
-        self.cliffs.append(&mut added);
-        Ok(())
+        self.features.cliffs.extend(lines);
     }
 
     /// Mean spacing of the contours: the area of their box divided by their length, map units.
@@ -75,8 +57,8 @@ impl Input {
     /// Findings beside cliffs become notes that say so, and so do those about elevations of contours that end at a cliff:
     /// at its end, the ground on the other side may have any elevation.
     pub(in crate::terrain) fn explain_by_cliffs(&mut self) {
-        let Self { cliffs, cliff_reach, at_cliffs, findings, .. } = self;
-        let near = NearCliffs::new(cliffs, *cliff_reach);
+        let Self { features, cliff_reach, at_cliffs, findings, .. } = self;
+        let near = NearCliffs::new(&features.cliffs, *cliff_reach);
         let ends_there = |f: &Finding| f.features.iter().all(|feature| at_cliffs.contains(feature));
         let is_explained = |f: &Finding| match f.kind {
             FindingKind::WrongLabel => !f.features.is_empty() && ends_there(f),
@@ -96,8 +78,8 @@ struct NearCliffs {
 }
 
 impl NearCliffs {
-    fn new(cliffs: &[Vec<DVec2>], reach: f64) -> Self {
-        let segments = cliffs.iter().flat_map(|line| line.windows(2));
+    fn new(cliffs: &[CliffLine], reach: f64) -> Self {
+        let segments = cliffs.iter().flat_map(|line| line.points.windows(2));
         let segments = segments.map(|w| Line::new(w[0].to_array(), w[1].to_array())).collect();
         Self { segments: RTree::bulk_load(segments), reach }
     }

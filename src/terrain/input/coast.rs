@@ -1,55 +1,22 @@
 //! The coast: lines that become contours at the level of the sea.
 
-use glam::DVec2;
-
 use super::Input;
-use crate::base::ElevationUnit;
-use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::base::error::{Error, Result};
 use crate::contour::{CoastLine, Contour};
-use crate::crs::Crs;
 
 /// A level and contours that differ from it by no more are the same, metres.
 const SAME_LEVEL: f64 = 1e-3;
 
 impl Input {
-    /// Adds lines of a coast, which become contours at their level. The ground on one side is level sea, on the other land;
-    /// the contours show which. The lines are in the contours' coordinate reference system if `crs` is `None`. Call it
-    /// before [`Input::prepare`] and [`Input::set_part`].
-    ///
-    /// A line with a vertex that has no place on the working plane is left out, with a finding.
-    ///
-    /// # Errors
-    /// If their system cannot be converted to the working one.
-    pub fn add_coast(&mut self, lines: impl IntoIterator<Item = CoastLine>, crs: Option<&Crs>) -> Result<()> {
-        self.add_coast_in(self.unit, lines, crs)
-    }
-
-    /// [`Input::add_coast`] with levels in a unit.
-    pub(super) fn add_coast_in(
-        &mut self,
-        unit: ElevationUnit,
-        lines: impl IntoIterator<Item = CoastLine>,
-        crs: Option<&Crs>,
-    ) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
+    /// Makes contours of lines of a coast, which are on the working plane.
+    pub(super) fn take_coast(&mut self, lines: Vec<CoastLine>) {
         // The number of their file comes after those of the contours.
         let file = self.files.len().max(1) as u32 + 1;
-        for line in lines {
-            let elevation = unit.metres(line.level.unwrap_or(0.0));
-            let feature = line.feature.in_file(file);
-            let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
-            match points.collect::<Result<Vec<DVec2>>>() {
-                Ok(points) => {
-                    self.map.contours.push(Contour { elevation, points, feature });
-                    self.note_coast(elevation);
-                }
-                Err(error) => {
-                    let message = format!("the coast of feature {feature} is left out: {error}");
-                    self.findings.push(Finding::general(FindingKind::CoastOutside, message).of_feature(feature));
-                }
-            }
+        for CoastLine { points, level, feature } in lines {
+            let elevation = level.unwrap_or(0.0);
+            self.map.contours.push(Contour { elevation, points, feature: feature.in_file(file) });
+            self.note_coast(elevation);
         }
-        Ok(())
     }
 
     /// Takes the contours of a level as the coast; the level is in the unit of the contours.

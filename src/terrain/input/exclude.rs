@@ -15,15 +15,11 @@ const EXPECTED: [FindingKind; 5] =
     [FindingKind::Gap, FindingKind::OpenEnd, FindingKind::SkippedLevel, FindingKind::MayBeLake, FindingKind::MayBeSea];
 
 impl Input {
-    /// Leaves out the contours and spot heights inside polygons. The surface bridges them. Contours are cut at the borders of
-    /// the polygons and keep all other vertices; their new ends are no gaps. The polygons are in the contours' coordinate
-    /// reference system if `crs` is `None`. Call it before [`Input::prepare`] and [`Input::set_part`].
-    ///
-    /// What each polygon took away is a finding, and also if no polygon took anything. `file` names their source there.
+    /// Leaves out the contours and spot heights inside polygons. `file` names their source in findings.
     ///
     /// # Errors
-    /// As [`Input::add_spots`].
-    pub fn exclude(&mut self, polygons: &[Excluded], crs: Option<&Crs>, file: &str) -> Result<()> {
+    /// As [`Input::add`].
+    pub(super) fn exclude(&mut self, polygons: &[Excluded], crs: Option<&Crs>, file: &str) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         let areas = polygons.iter().map(|excluded| to_working.boundary(&excluded.polygon.clone().into()));
         let areas = areas.collect::<Result<Vec<MultiPolygon<f64>>>>()?;

@@ -8,11 +8,9 @@ use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::progress::{Progress, step};
 use crate::contour::SpotHeights;
 use crate::crs::Crs;
+use crate::features::Role;
 use crate::io::raster::{DemFile, read_dem};
-use crate::io::{
-    ReadOptions, Stated, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_coast_stated,
-    read_contours, read_excluded, read_sinks, read_spot_heights, read_streams, read_water_stated,
-};
+use crate::io::{FileFeatures, ReadOptions, VectorSource, read_area, read_contours, read_features, read_spot_heights};
 use crate::terrain::sheets::{Sheet, joined};
 
 impl Input {
@@ -87,50 +85,17 @@ impl Input {
         })
     }
 
-    /// Reads lakes from a file and adds them.
+    /// Reads the features of a file in a role, and adds them: see [`Input::add`].
     ///
     /// # Errors
-    /// As [`read_water`](crate::io::read_water) and [`Input::add_lakes`]; the error names the file.
-    pub fn read_lakes(&mut self, source: &VectorSource) -> Result<()> {
+    /// As [`read_features`] and [`Input::add`]; the error names the file.
+    pub fn read_features(&mut self, role: Role, source: &VectorSource) -> Result<()> {
         let path = &source.path;
-        let Stated { value: lakes, crs, unit } =
-            read_water_stated(path, &self.reading(source))?.collect(&mut self.findings);
+        let Report { value, findings } = read_features(role, path, &self.reading(source))?;
+        let FileFeatures { features, crs, unit } = value;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
         let signs = Signs { stated: unit.as_ref(), hint: None };
-        self.add_lakes_with(lakes, crs.as_ref(), signs).map_err(|error| error.in_file(path))
-    }
-
-    /// Reads lines of rivers and streams, and river areas, from a file and adds them.
-    ///
-    /// # Errors
-    /// As [`read_streams`] and [`Input::add_streams`]; the error names the file.
-    pub fn read_streams(&mut self, source: &VectorSource) -> Result<()> {
-        let path = &source.path;
-        let Report { value: (Waterways { lines, areas }, crs), findings } = read_streams(path, &self.reading(source))?;
-        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
-        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))?;
-        self.add_river_areas(areas, crs.as_ref()).map_err(|error| error.in_file(path))
-    }
-
-    /// Reads cliffs from a file and adds them.
-    ///
-    /// # Errors
-    /// As [`read_cliffs`] and [`Input::add_cliffs`]; the error names the file.
-    pub fn read_cliffs(&mut self, source: &VectorSource) -> Result<()> {
-        let path = &source.path;
-        let Report { value: (lines, crs), findings } = read_cliffs(path, &self.reading(source))?;
-        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
-        self.add_cliffs(lines, crs.as_ref()).map_err(|error| error.in_file(path))
-    }
-
-    /// Reads break lines from a file and adds them.
-    ///
-    /// # Errors
-    /// As [`read_break_lines`] and [`Input::add_break_lines`]; the error names the file.
-    pub fn read_break_lines(&mut self, source: &VectorSource) -> Result<()> {
-        let path = &source.path;
-        let Report { value: (lines, crs), findings } = read_break_lines(path, &self.reading(source))?;
-        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
-        self.add_break_lines(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+        self.add_from(&path.display().to_string(), features, crs.as_ref(), signs).map_err(|error| error.in_file(path))
     }
 
     /// Adds findings about a file in some coordinate reference system.
@@ -163,42 +128,6 @@ impl Input {
             });
         }
         self.set_base(dem, path)
-    }
-
-    /// Reads the coast from a file, lines or polygons of land or sea, and adds it.
-    ///
-    /// # Errors
-    /// As [`read_coast`](crate::io::read_coast) and [`Input::add_coast`]; the error names the file.
-    pub fn read_coast(&mut self, source: &VectorSource) -> Result<()> {
-        let path = &source.path;
-        let Stated { value: lines, crs, unit } =
-            read_coast_stated(path, &self.reading(source))?.collect(&mut self.findings);
-        let unit = match &unit {
-            Some(_) => self.unit_beside("the levels of the coast", None, Signs { stated: unit.as_ref(), hint: None }),
-            None => self.unit,
-        };
-        self.add_coast_in(unit, lines, crs.as_ref()).map_err(|error| error.in_file(path))
-    }
-
-    /// Reads places where water may stay from a file, points and polygons, and adds them.
-    ///
-    /// # Errors
-    /// As [`read_sinks`] and [`Input::add_sinks`]; the error names the file.
-    pub fn read_sinks(&mut self, source: &VectorSource) -> Result<()> {
-        let path = &source.path;
-        let (sinks, crs) = read_sinks(path, &self.reading(source))?.collect(&mut self.findings);
-        self.add_sinks(sinks, crs.as_ref()).map_err(|error| error.in_file(path))
-    }
-
-    /// Reads polygons from a file and leaves out the contours and spot heights inside them.
-    ///
-    /// # Errors
-    /// As [`read_excluded`] and [`Input::exclude`]; the error names the file.
-    pub fn read_excluded(&mut self, source: &VectorSource) -> Result<()> {
-        let path = &source.path;
-        let (polygons, crs) = read_excluded(path, &self.reading(source))?;
-        let name = path.display().to_string();
-        self.exclude(&polygons, crs.as_ref(), &name).map_err(|error| error.in_file(path))
     }
 
     /// Reads a boundary polygon from a file: the ground ends there.

@@ -8,6 +8,7 @@ mod base;
 mod cliffs;
 mod coast;
 mod exclude;
+mod features;
 #[cfg(feature = "io")]
 mod files;
 mod part;
@@ -21,14 +22,12 @@ use geo::{BoundingRect, MultiPolygon};
 use glam::{DVec2, DVec3};
 
 use crate::arrays;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
+use crate::base::error::{Error, Finding, Report, Result};
 use crate::base::{ElevationUnit, FeatureId};
-use crate::contour::{ContourMap, Lake, SoftSpot, StatedUnit, UnitHint, unite_levels};
-use crate::creases::CreaseLine;
+use crate::contour::{ContourMap, SoftSpot, StatedUnit, UnitHint, unite_levels};
 use crate::crs::{Crs, Reprojection};
-use crate::drain::{Sink, SinkShape};
+use crate::features::Features;
 use crate::resample::{Fitted, Sampled};
-use crate::streams::{RiverArea, StreamLine};
 use crate::subdomains::Frame;
 use crate::terrain::base::Base;
 use crate::terrain::part::Part;
@@ -83,20 +82,11 @@ pub struct Input {
     pub reprojection: Reprojection,
     /// Where the ground ends.
     pub frame: Frame,
-    /// Lakes, on the working plane.
-    pub lakes: Vec<Lake>,
+    /// What there is besides contours and spot heights, on the working plane; heights in metres. Lines of coasts have become
+    /// contours.
+    pub features: Features,
     /// The levels of coasts, metres.
     pub coast: Vec<f64>,
-    /// Rivers and streams, on the working plane.
-    pub streams: Vec<StreamLine>,
-    /// River areas, on the working plane.
-    pub river_areas: Vec<RiverArea>,
-    /// Break lines, on the working plane; heights in metres.
-    pub creases: Vec<CreaseLine>,
-    /// Cliffs, on the working plane.
-    pub cliffs: Vec<Vec<DVec2>>,
-    /// Places where water may stay, on the working plane.
-    pub sinks: Vec<Sink>,
     /// Figures of the fit, if the lines were fitted; its map is empty.
     pub fitted: Option<Fitted>,
     /// Figures of the sampling, if the lines were sampled; its map is empty.
@@ -284,137 +274,6 @@ impl Input {
         let Signs { stated, hint } = signs;
         let heights = Elevations { what, asked: self.asked_unit, otherwise: self.unit, crs, stated, hint };
         heights.unit(&mut self.findings)
-    }
-
-    /// Adds lakes: level ground at their height, otherwise at the height of their shore. They are in the contours'
-    /// coordinate reference system if `crs` is `None`. [`InputOptions::unit`] says in which unit heights are.
-    ///
-    /// # Errors
-    /// As [`Input::add_spots`].
-    pub fn add_lakes(&mut self, lakes: impl IntoIterator<Item = Lake>, crs: Option<&Crs>) -> Result<()> {
-        self.add_lakes_with(lakes, crs, Signs::default())
-    }
-
-    /// [`Input::add_lakes`] with what their file says about the unit.
-    pub(super) fn add_lakes_with(
-        &mut self,
-        lakes: impl IntoIterator<Item = Lake>,
-        crs: Option<&Crs>,
-        signs: Signs<'_>,
-    ) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
-        let mut lakes = lakes.into_iter().peekable();
-        let unit = match lakes.peek() {
-            Some(_) => self.unit_beside("the heights of the lakes", crs, signs),
-            None => self.unit,
-        };
-        for lake in lakes {
-            let polygon = to_working.polygon(&lake.polygon)?;
-            self.lakes.push(Lake { polygon, ..lake }.in_metres(unit));
-        }
-        Ok(())
-    }
-
-    /// Adds lines of rivers and streams, in any direction. They are in the contours' coordinate reference system if `crs`
-    /// is `None`.
-    ///
-    /// A line with a vertex that has no place on the working plane is left out, with a finding.
-    ///
-    /// # Errors
-    /// If their system cannot be converted to the working one.
-    pub fn add_streams(&mut self, lines: impl IntoIterator<Item = StreamLine>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
-        for line in lines {
-            let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
-            match points.collect::<Result<_>>() {
-                Ok(points) => self.streams.push(StreamLine { points, ..line }),
-                Err(error) => {
-                    let message = format!("stream {} is left out: {error}", line.feature);
-                    let finding = Finding::general(FindingKind::StreamOutside, message);
-                    self.findings.push(finding.of_feature(line.feature));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds river areas: they are level across and fall along, as the streams through them. As [`Input::add_streams`].
-    ///
-    /// # Errors
-    /// If their system cannot be converted to the working one.
-    pub fn add_river_areas(&mut self, areas: impl IntoIterator<Item = RiverArea>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
-        for area in areas {
-            match to_working.polygon(&area.polygon) {
-                Ok(polygon) => self.river_areas.push(RiverArea { polygon, ..area }),
-                Err(error) => {
-                    let message = format!("river area {} is left out: {error}", area.feature);
-                    let finding = Finding::general(FindingKind::StreamOutside, message);
-                    self.findings.push(finding.of_feature(area.feature));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds break lines. They are in the contours' coordinate reference system if `crs` is `None`.
-    /// [`InputOptions::unit`] says in which unit heights are.
-    ///
-    /// A line with a vertex that has no place on the working plane is left out, with a finding.
-    ///
-    /// # Errors
-    /// If their system cannot be converted to the working one.
-    pub fn add_break_lines(&mut self, lines: impl IntoIterator<Item = CreaseLine>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
-        let mut lines = lines.into_iter().peekable();
-        let unit = match lines.peek() {
-            Some(_) => self.unit_beside("the heights of the break lines", crs, Signs::default()),
-            None => self.unit,
-        };
-        for line in lines {
-            let CreaseLine { points, heights, feature, .. } = &line;
-            let height = |k: usize| unit.metres(heights.get(k).copied().unwrap_or(0.0));
-            let vertices = points.iter().enumerate().map(|(k, p)| to_working.point(p.extend(height(k))));
-            match vertices.collect::<Result<Vec<DVec3>>>() {
-                Ok(vertices) => self.creases.push(CreaseLine {
-                    points: vertices.iter().map(|p| p.truncate()).collect(),
-                    heights: vertices.iter().take(heights.len()).map(|p| p.z).collect(),
-                    ..line
-                }),
-                Err(error) => {
-                    let message = format!("break line {feature} is left out: {error}");
-                    let finding = Finding::general(FindingKind::BreakLineLeftOut, message);
-                    self.findings.push(finding.of_feature(*feature));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds places where water may stay: the surface keeps their pits. They are in the contours' coordinate reference system
-    /// if `crs` is `None`.
-    ///
-    /// A sink that has no place on the working plane is left out, with a finding.
-    ///
-    /// # Errors
-    /// If their system cannot be converted to the working one.
-    pub fn add_sinks(&mut self, sinks: impl IntoIterator<Item = Sink>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
-        for sink in sinks {
-            let shape = match &sink.shape {
-                SinkShape::Point(p) => to_working.point(p.extend(0.0)).map(|p| SinkShape::Point(p.truncate())),
-                SinkShape::Area(area) => to_working.boundary(area).map(SinkShape::Area),
-            };
-            match shape {
-                Ok(shape) => self.sinks.push(Sink { shape, ..sink }),
-                Err(error) => {
-                    let message = format!("the sink of feature {} is left out: {error}", sink.feature);
-                    let finding = Finding::general(FindingKind::SinkOutside, message);
-                    self.findings.push(finding.of_feature(sink.feature));
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Ends the ground at a polygon. It is in the contours' coordinate reference system if `crs` is `None`.

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::Input;
 use crate::contour::ContourMap;
+use crate::features::Features;
 use crate::spline::SplineParams;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -17,20 +18,17 @@ impl Input {
     /// The parameters of the surface. Frame, lakes and lines are moved out of the input.
     pub(in crate::terrain) fn surface_params(&mut self, options: &Options, cells: Option<&Cells>) -> SurfaceParams {
         let wanted = cells.zip(middle(&self.map)).and_then(|(cells, place)| cells.wanted(place));
+        let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, .. } = take(&mut self.features);
         SurfaceParams {
             kind: options.kind,
             frame: take(&mut self.frame),
             resolution: options.resolution,
-            water: Water { lakes: take(&mut self.lakes), sea: options.sea, coast: self.coast.clone() },
-            cliffs: take(&mut self.cliffs),
-            creases: take(&mut self.creases),
-            streams: Streams {
-                lines: take(&mut self.streams),
-                areas: take(&mut self.river_areas),
-                tolerance: options.stream_tolerance,
-            },
+            water: Water { lakes, sea: options.sea, coast: self.coast.clone() },
+            cliffs: cliffs.into_iter().map(|cliff| cliff.points).collect(),
+            creases: break_lines,
+            streams: Streams { lines: streams, areas: river_areas, tolerance: options.stream_tolerance },
             drain: options.drain,
-            sinks: take(&mut self.sinks),
+            sinks,
             spline: SplineParams { wanted, tension: options.tension, noise: options.noise },
             triangles: options.triangles,
             uncertainty: options.uncertainty,

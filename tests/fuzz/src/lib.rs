@@ -9,8 +9,9 @@ pub mod pipeline;
 
 use std::path::Path;
 
+use tokosen::features::Role;
 use tokosen::io::raster::read_dem;
-use tokosen::io::{ReadOptions, read_area, read_contours, read_spot_heights, read_water};
+use tokosen::io::{ReadOptions, read_area, read_contours, read_features, read_spot_heights};
 
 /// Writes an input to a file with this extension and hands over its path.
 pub fn with_file(data: &[u8], extension: &str, read: impl Fn(&Path)) {
@@ -27,7 +28,9 @@ pub fn vectors(data: &[u8], extension: &str) {
         let _ = read_contours(path, &options);
         let _ = read_spot_heights(path, &options);
         let _ = read_area(path, &options);
-        let _ = read_water(path, &options);
+        for role in Role::all() {
+            let _ = read_features(role, path, &options);
+        }
     });
 }
 

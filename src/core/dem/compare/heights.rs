@@ -29,12 +29,12 @@ pub struct HeightFigures {
 pub fn height_figures(heights: &dyn RasterRows, interval: Option<&Interval>) -> Result<HeightFigures> {
     let mut scan = Scan::new();
     let mut blocks = Blocks::of(heights);
-    while let Some(block) = blocks.next()? {
+    while let Some(block) = blocks.next_block()? {
         scan.add(block.heights());
     }
     let mut levels = scan.levels(interval);
     let mut blocks = Blocks::of(heights);
-    while let Some(block) = blocks.next()? {
+    while let Some(block) = blocks.next_block()? {
         levels.add(block.heights());
     }
     Ok(scan.figures(&levels))

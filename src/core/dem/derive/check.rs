@@ -15,7 +15,7 @@ pub fn check(heights: &dyn RasterRows) -> Result<()> {
         return Err(Error::Data(message.into()));
     }
     let mut blocks = Blocks::of(heights);
-    while let Some(block) = blocks.next()? {
+    while let Some(block) = blocks.next_block()? {
         if block.heights().iter().any(|height| !height.is_nan()) {
             return Ok(());
         }

@@ -118,7 +118,7 @@ fn steep_cells(slopes: &Derived<'_>, angle: f64) -> Result<Vec<u32>> {
     let grid = slopes.grid();
     let mut set = uniform(grid.len(), OUTSIDE)?;
     let mut blocks = Blocks::of(slopes);
-    while let Some(block) = blocks.next()? {
+    while let Some(block) = blocks.next_block()? {
         let cells = set[block.rows.start * grid.cols..].iter_mut().zip(block.heights());
         cells.filter(|(_, slope)| f64::from(**slope) >= angle).for_each(|(cell, _)| *cell = 0);
     }
