@@ -11,7 +11,7 @@ import sys
 import tomllib
 import zipfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 PLUGIN = ROOT / "src" / "qgis" / "tokosen"
 KINDS = {".py", ".svg", ".txt"}
 TIME = (1980, 1, 1, 0, 0, 0)  # the first that a zip can hold

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Shows that check_formats.py notices each kind of difference.
 
-    .venv/bin/python scripts/test_check_formats.py
+    .venv/bin/python scripts/checks/test_check_formats.py
 """
 import unittest
 

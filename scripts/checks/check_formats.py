@@ -2,7 +2,7 @@
 """Opens output files of every format with GDAL, and compares them with the GeoPackage and the GeoTIFF.
 
     cargo build --release
-    .venv/bin/python scripts/check_formats.py target/release/tokosen
+    .venv/bin/python scripts/checks/check_formats.py target/release/tokosen
 
 GDAL comes with pyogrio and rasterio (scripts/requirements.txt). A raster format that rasterio's GDAL lacks is converted by
 the command line tools (gdalinfo, gdal_translate) if they are installed and support it; otherwise it is reported as skipped.
@@ -25,7 +25,7 @@ import pyproj
 import rasterio
 import shapely
 
-SAMPLE = pathlib.Path(__file__).resolve().parent.parent / "samples" / "caryville_20m.gpkg"
+SAMPLE = pathlib.Path(__file__).resolve().parents[2] / "samples" / "caryville_20m.gpkg"
 
 # Verb and its options; what they write is compared.
 VECTOR_RUNS = [("densify", "-i 5"), ("skeleton", ""), ("regions", "")]

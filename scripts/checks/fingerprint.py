@@ -40,7 +40,7 @@ import tempfile
 
 import fingerprint_commands as commands
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "target" / "release" / "tokosen"
 RECORD = ROOT / "target" / "fingerprint.json"
 LIMIT = 300  # seconds for one command

@@ -19,7 +19,7 @@ from hostile_inputs import (
 )  # fmt: skip
 from hostile_inputs.running import row_of
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 BINARY = ROOT / "target" / "release" / "tokosen"
 KINDS = [
     geojson_files, geopackages, shapefiles, drawings, archives, rasters, line_roles, point_roles, polygon_roles, tables, mixed_roles,

@@ -43,6 +43,7 @@ import numpy as np
 import rasterio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import score_dem
 import terrain
 import tools

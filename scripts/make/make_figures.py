@@ -2,7 +2,7 @@
 """Draws the figures of samples/README.md with the program itself.
 
     cargo build --release
-    .venv/bin/python scripts/make_figures.py target/release/tokosen      # writes samples/figures/*.png
+    .venv/bin/python scripts/make/make_figures.py target/release/tokosen      # writes samples/figures/*.png
 
 Each picture is one that `--preview` draws, made smaller and reduced to a palette.
 """
@@ -13,7 +13,7 @@ import tempfile
 
 from PIL import Image
 
-SAMPLES = pathlib.Path(__file__).resolve().parent.parent / "samples"
+SAMPLES = pathlib.Path(__file__).resolve().parents[2] / "samples"
 WIDTH = 900  # pixels
 COLOURS = (256, 128, 64)  # the first that keeps a file below LARGEST
 LARGEST = 150_000  # bytes

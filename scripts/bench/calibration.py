@@ -25,7 +25,7 @@ import numpy as np
 import rasterio
 from scipy import ndimage
 
-SAMPLES = pathlib.Path(__file__).resolve().parent.parent / "samples"
+SAMPLES = pathlib.Path(__file__).resolve().parents[2] / "samples"
 SAMPLE = (SAMPLES / "caryville_20m_truth.tif", 20.0, SAMPLES / "caryville_20m.gpkg")
 RIM = 0.01  # share of columns and rows at the border that is left out
 

@@ -13,6 +13,7 @@ import numpy as np
 import rasterio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import benchmark_speed
 import terrain
 import tools

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Shows that the checks of random_maps.py pass a sound map and find each fault that is planted in it.
 
-    .venv/bin/python scripts/test_random_maps.py
+    .venv/bin/python scripts/checks/test_random_maps.py
 
 The sound map is made here, without tokosen: the heights of the ground itself, and its contours.
 """
 import dataclasses
 import pathlib
+import sys
 import tempfile
 import unittest
 
@@ -15,6 +16,7 @@ import pyogrio
 import rasterio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import terrain
 from known_ground import checks, coast_maps, counts, flow, ground, kinds, line_maps, map as maps, plain_maps
 

@@ -20,6 +20,7 @@ import numpy as np
 import pyogrio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import tools
 
 WORDS = {

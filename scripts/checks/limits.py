@@ -20,6 +20,7 @@ import time
 import numpy as np
 import rasterio
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import tools
 
 VERBS = {

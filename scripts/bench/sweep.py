@@ -28,10 +28,12 @@ import os
 import pathlib
 import shlex
 import subprocess
+import sys
 import tempfile
 
 import numpy as np
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import calibration
 import score_dem
 import terrain

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Shows that score_contours.py, score_dem.py and terrain.py measure what they say, on ground that is known beforehand.
 
-    .venv/bin/python scripts/test_scores.py
+    .venv/bin/python scripts/bench/test_scores.py
 """
 import contextlib
 import io
@@ -17,6 +17,7 @@ import pyogrio
 import rasterio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import benchmark_accuracy
 import score_contours
 import score_dem

@@ -22,12 +22,14 @@ has pits too.
 """
 import argparse
 import json
+import pathlib
 import sys
 
 import numpy as np
 import pyogrio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import terrain
 
 MEETS = 0.02  # of the interval: a height map that is so near meets the contour

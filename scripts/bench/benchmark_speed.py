@@ -40,6 +40,7 @@ import tempfile
 import rasterio
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import terrain
 import tools
 

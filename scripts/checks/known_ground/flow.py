@@ -5,7 +5,7 @@ import numpy as np
 import shapely
 
 import terrain
-from score_streams import STEPS, reaches
+from streams import STEPS, reaches
 
 SHARE = 0.02  # of all cells that drain through a valley
 

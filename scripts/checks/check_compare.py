@@ -10,11 +10,13 @@ check.
 """
 import argparse
 import json
+import pathlib
 import sys
 
 import numpy as np
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import terrain
 
 

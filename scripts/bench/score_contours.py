@@ -46,12 +46,14 @@ All figures count each sample by the length of its piece of line.
 """
 import argparse
 import json
+import pathlib
 import sys
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))  # the modules that scripts share
 import terrain
 
 

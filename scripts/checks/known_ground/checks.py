@@ -7,7 +7,7 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 import terrain
-from score_streams import along
+from streams import along
 
 SHARE = 1e-3  # of the interval: rounding, and the steps of 32-bit numbers
 

@@ -2,8 +2,8 @@
 """Makes the drawn samples: the shapes that test a contour reconstruction, a few lines each.
 
     python3 -m venv .venv && .venv/bin/pip install -r scripts/requirements.txt
-    .venv/bin/python scripts/make_analytic_samples.py            # writes samples/fig*.geojson
-    .venv/bin/python scripts/make_analytic_samples.py --plot     # and samples/shapes.png
+    .venv/bin/python scripts/make/make_analytic_samples.py            # writes samples/fig*.geojson
+    .venv/bin/python scripts/make/make_analytic_samples.py --plot     # and samples/shapes.png
 
 The shapes are those that the figures of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours"
 (CAD/CG 2005) name; the lines are drawn anew. Those of figures 1 and 5 are closed cubic splines through a few points,
@@ -21,7 +21,7 @@ import numpy as np
 import shapely
 from scipy.interpolate import splev, splprep
 
-SAMPLES = pathlib.Path(__file__).resolve().parent.parent / "samples"
+SAMPLES = pathlib.Path(__file__).resolve().parents[2] / "samples"
 EPSG = 6678
 ORIGIN = np.array([14_000.0, -16_500.0])  # of the drawings, plane coordinates in metres
 STEP = 5.0  # distance between vertices, metres

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Shows that check_output.py passes a sound output and catches every kind of broken one.
 
-    .venv/bin/python scripts/test_check_output.py
+    .venv/bin/python scripts/checks/test_check_output.py
 
 The sound output is made here, without tokosen: the real sample's own lines and lines between them, cut from its truth.
 """
@@ -24,8 +24,8 @@ import shapely
 import check_output
 
 HERE = pathlib.Path(__file__).resolve().parent
-SAMPLE = HERE.parent / "samples" / "caryville_20m.gpkg"
-TRUTH = HERE.parent / "samples" / "caryville_20m_truth.tif"
+SAMPLE = HERE.parents[1] / "samples" / "caryville_20m.gpkg"
+TRUTH = HERE.parents[1] / "samples" / "caryville_20m_truth.tif"
 FORMATS = {".gpkg": "GPKG", ".geojson": "GeoJSON", ".shp": "ESRI Shapefile"}
 
 

@@ -2,7 +2,7 @@
 """Makes the real-terrain sample: 20 m contour lines of the hills around Caryville, Tennessee, and their truth.
 
     python3 -m venv .venv && .venv/bin/pip install -r scripts/requirements.txt
-    .venv/bin/python scripts/make_real_sample.py            # writes samples/caryville_20m.gpkg and _truth.tif
+    .venv/bin/python scripts/make/make_real_sample.py            # writes samples/caryville_20m.gpkg and _truth.tif
 
 Source: the file jacksboro_fault_dem.npz among matplotlib's sample data, heights of the Shuttle Radar Topography
 Mission (SRTM) at 3 arc seconds, whole metres, a work of the US government in the public domain.
@@ -21,6 +21,7 @@ Steps, in the order of the code:
 
 The same versions of the libraries give the same bytes.
 """
+import argparse
 import math
 import os
 import pathlib
@@ -34,7 +35,7 @@ import rasterio
 import shapely
 from scipy import ndimage
 
-SAMPLES = pathlib.Path(__file__).resolve().parent.parent / "samples"
+SAMPLES = pathlib.Path(__file__).resolve().parents[2] / "samples"
 NAME = "caryville_20m"
 EPSG = 32616
 WEST, SOUTH = 744_000, 4_015_500  # south-west corner of the sheet, UTM metres
@@ -87,6 +88,7 @@ def check(lines):
 
 
 def main():
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     h, transform, x, y = truth()
     lines = contours(h, x, y)
     check(lines)
