@@ -7,17 +7,16 @@ OUT gets the grid of TRUTH: the tool chooses the position of its cells itself, s
 The Python package is geolibre-wasm. It downloads the tool as a WebAssembly module, or takes that of the variable GEOLIBRE_WASM.
 Prints the seconds that the tool took.
 """
+import argparse
 import pathlib
 import sys
 import tempfile
 import time
 
-import geolibre_wasm
 import numpy as np
 import pyogrio
 import rasterio
 import shapely
-import wasmtime
 from rasterio.warp import Resampling, reproject
 
 
@@ -31,6 +30,10 @@ def write(path, source, with_levels, crs):
 
 def run_tool(folder, *arguments):
     """Runs the tool; it sees the folder as /data."""
+    # Here, so that the description is printed without these packages, which nothing else needs.
+    import geolibre_wasm
+    import wasmtime
+
     engine = wasmtime.Engine()
     module = wasmtime.Module.from_file(engine, geolibre_wasm.runtime_path())
     store, linker, system = wasmtime.Store(engine), wasmtime.Linker(engine), wasmtime.WasiConfig()
@@ -48,9 +51,11 @@ def run_tool(folder, *arguments):
 
 
 def main():
-    if len(sys.argv) != 5:
-        sys.exit(__doc__)
-    contours, streams, truth, out = map(pathlib.Path, sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("contours", "streams", "truth", "out"):
+        parser.add_argument(name, type=pathlib.Path)
+    args = parser.parse_args()
+    contours, streams, truth, out = args.contours, args.streams, args.truth, args.out
     with rasterio.open(truth) as source:
         profile, crs, cell = source.profile, source.crs, source.transform.a
     heights = np.full((profile["height"], profile["width"]), np.nan, "float32")
