@@ -33,19 +33,19 @@
 //! | [`streams::Streams`] | lines of rivers, in [`surface::SurfaceParams`] | [`streams::Stream`]s in the surface: with direction and heights |
 //! | [`drain::Drain`], [`drain::Sink`] | which pits get a way out, and places where water may stay, in [`surface::SurfaceParams`] | a surface and height maps with fewer pits; [`drain::Pit`]s that are left |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
-//! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem), or heights alone |
-//! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
+//! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](raster::Dem), or heights alone |
+//! | [`layers::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
 //! | [`slice::place_labels`] | contours | [`Label`](slice::Label)s: the elevations of contours as texts with position and angle |
-//! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
+//! | [`raster::rasterise`] | a triangulation, a grid | a [`Dem`](raster::Dem) |
 //! | [`dem::join::join`] | a height map with cells without heights, another one | the first, filled from the second without a step |
-//! | [`io::raster::read_dem`] | a raster file | a [`Dem`](dem::Dem) |
+//! | [`io::raster::read_dem`] | a raster file | a [`Dem`](raster::Dem) |
 //! | [`dem::contour::contours`] | a height map, intervals | its contours, smooth and with few vertices |
 //! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | a raster each; [`Steeps`](dem::derive::Steeps): steep places as areas |
 //! | [`dem::derive::flow_directions`], [`flow_accumulation`](dem::derive::flow_accumulation), [`catchments`](dem::derive::catchments) | a height map | where water flows, how many cells drain through each, [`Catchments`](dem::derive::Catchments) |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |
 //! | [`dem::compare::compare`] | two height maps on one grid | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
-//! | [`dem::compare::difference`] | two height maps on one grid | a [`Dem`](dem::Dem) of their differences |
+//! | [`dem::compare::difference`] | two height maps on one grid | a [`Dem`](raster::Dem) of their differences |
 //! | [`draw::report::remarks`], [`draw::report::comparison_page`] | a comparison | sentences, and a report in HTML |
 //! | [`crs::Reprojection::from_working`] | a coordinate reference system | the conversion of lines and areas to it |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
@@ -109,8 +109,8 @@
 //! use glam::DVec2;
 //! use tokosen::base::Grid;
 //! use tokosen::clean::{CleanParams, clean};
-//! use tokosen::contour::{Contour, ContourMap};
-//! use tokosen::slice::{LayerParams, Target, contour_layers};
+//! use tokosen::contour::{Contour, ContourMap, Target};
+//! use tokosen::layers::{LayerParams, contour_layers};
 //! use tokosen::surface::{SurfaceParams, build, heights};
 //!
 //! # fn main() -> tokosen::Result<()> {
@@ -140,39 +140,23 @@
 #[cfg(feature = "cli")]
 extern crate self as tokosen;
 
-pub mod base;
-pub mod check;
-pub mod clean;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
-pub mod contour;
-pub mod creases;
-pub mod crs;
-pub mod dem;
-pub mod drain;
-#[cfg(feature = "draw")]
-pub mod draw;
-#[cfg(test)]
-#[path = "../tests/common/draws.rs"]
-mod draws;
-mod geometry;
 pub mod guide;
-#[cfg(feature = "io")]
-pub mod io;
-pub mod mesh;
-pub mod resample;
-pub mod skeleton;
-pub mod slice;
-pub mod spline;
-pub mod streams;
-pub mod subdivision;
-pub mod subdomains;
-pub mod surface;
 pub mod terrain;
-pub mod tin;
-pub mod tuning;
-pub mod validate;
+
+#[doc(inline)]
+pub use tokosen_core::{
+    arrays, base, check, clean, contour, creases, crs, dem, drain, layers, mesh, raster, resample, skeleton, slice,
+    spline, streams, subdivision, subdomains, surface, tin, tuning, validate,
+};
+#[cfg(feature = "draw")]
+#[doc(inline)]
+pub use tokosen_draw as draw;
+#[cfg(feature = "io")]
+#[doc(inline)]
+pub use tokosen_io as io;
 
 pub use base::error::{Error, Result};
 pub use contour::Interval;

@@ -8,11 +8,11 @@ use geo::MultiPolygon;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::crs::{Crs, Reprojection};
-use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{read_dem, write_picture};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, VectorSource, content, contour_files, write_layers_back};
+use tokosen::raster::Dem;
 use tokosen::terrain::read_area_on;
 
 use super::console::Console;

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::base::error::{Error, Finding};
+use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::crs::FromWorking;
 use tokosen::draw::preview::picture;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
-use tokosen::slice::{LayerParams, Target};
+use tokosen::layers::LayerParams;
 use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
 use tokosen::{Options, Terrain};

@@ -9,10 +9,10 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{Derivative, Derived, HeightsFrom, SteepParams, Steeps, check, steep, steep_note};
-use tokosen::dem::{GroundScale, RasterRows, WithCrs, in_plane_unit, metres_per_unit};
 use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
-use tokosen::io::raster::{Quantity, RasterParams, open_dem, write_rows, write_shade};
+use tokosen::io::raster::{Quantity, RasterParams, open_dem};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, write_layers};
+use tokosen::raster::{GroundScale, RasterRows, WithCrs, in_plane_unit, metres_per_unit};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
@@ -23,7 +23,7 @@ use super::flow::{FlowArgs, FlowOutputs};
 use super::input::{InputArgs, Scope};
 use super::job::build;
 use super::light::LightArgs;
-use super::output::{self, CogArgs, GridArgs, extension};
+use super::output::{self, CogArgs, GridArgs, write_if_asked};
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
 use super::surface::SurfaceArgs;
@@ -164,7 +164,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     for (staged, quantity, derivative) in rasters {
         let derived = Derived { heights: &*heights, scale: &scale, derivative };
         let params = RasterParams { quantity, tiff, ..RasterParams::default() };
-        write(staged.as_ref(), &params, &derived, console)?;
+        write_if_asked(staged.as_ref(), &params, &derived, console)?;
     }
     let note = steep_note(source, args.steep_height);
     let steeps = match &outputs.steep {
@@ -312,22 +312,6 @@ impl DeriveArgs {
             outside: terrain.findings_outside,
         })
     }
-}
-
-/// Writes a raster, still under its temporary name, if it is asked for.
-pub fn write(
-    staged: Option<&StagedOutput>,
-    params: &RasterParams,
-    rows: &dyn RasterRows,
-    console: &Console,
-) -> Result<(), Failure> {
-    let Some(staged) = staged else { return Ok(()) };
-    let path = staged.path();
-    let written = console.step(params.quantity.name(), || match params.quantity {
-        Quantity::Shade if extension(&path) == "png" => write_shade(&path, rows),
-        _ => write_rows(&path, rows, params),
-    });
-    Ok(written.map_err(|e| staged.with_final_name(e))?)
 }
 
 fn describe(path: &Path, steeps: &Steeps, args: &DeriveArgs, console: &Console) {

@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::dem::derive::{Catchments, catchment_parts, catchments, flow_accumulation, flow_directions};
-use tokosen::dem::{GroundScale, RasterRows};
 use tokosen::io::layer::of_catchments;
 use tokosen::io::raster::{DEM_EXTENSIONS, Quantity, RasterParams, TiffLayout};
 use tokosen::io::{StagedOutput, write_layers};
+use tokosen::raster::{GroundScale, RasterRows};
 
 use super::console::Console;
-use super::derive::write;
 use super::failure::Failure;
 use super::memory;
-use super::output::{check_vector, extension, open_raster};
+use super::output::{check_vector, extension, open_raster, write_if_asked};
 
 #[derive(Debug, Clone, Args)]
 pub struct FlowArgs {
@@ -96,17 +95,17 @@ impl FlowOutputs {
         let directions = console.step("flow direction", || flow_directions(dem, scale, memory::available()))?;
         if self.directions.is_some() {
             let raster = directions.raster();
-            write(self.directions.as_ref(), &params(Quantity::FlowDirection), &raster, console)?;
+            write_if_asked(self.directions.as_ref(), &params(Quantity::FlowDirection), &raster, console)?;
         }
         if self.accumulation.is_some() {
             let raster = console.step(Quantity::FlowAccumulation.name(), || flow_accumulation(&directions));
-            write(self.accumulation.as_ref(), &params(Quantity::FlowAccumulation), &raster, console)?;
+            write_if_asked(self.accumulation.as_ref(), &params(Quantity::FlowAccumulation), &raster, console)?;
         }
         let Some(staged) = &self.catchments else { return Ok(None) };
         let found: Catchments = console.step("catchments", || catchments(&directions));
         let polygons = if is_raster(&staged.path()) {
             let raster = found.raster()?;
-            write(Some(staged), &params(Quantity::Catchment), &raster, console)?;
+            write_if_asked(Some(staged), &params(Quantity::Catchment), &raster, console)?;
             None
         } else {
             let parts = console.step("catchments", || catchment_parts(&found, scale));

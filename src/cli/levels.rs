@@ -5,9 +5,10 @@ use std::path::Path;
 use clap::Args;
 use tokosen::Interval;
 use tokosen::contour::ContourLayer;
+use tokosen::contour::Target;
 use tokosen::crs::FromWorking;
 use tokosen::io::layer::{Layer, labels_layer, of_contours, of_labels};
-use tokosen::slice::{Label, Target};
+use tokosen::slice::Label;
 
 use super::failure::Failure;
 use super::labels::LabelArgs;

@@ -6,12 +6,12 @@ use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Report;
 use tokosen::crs::Crs;
-use tokosen::dem::Dem;
 use tokosen::io::raster::{
-    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, reading, write_raster,
-    write_with_errors,
+    DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, reading, write_raster,
+    write_rows, write_shade, write_with_errors,
 };
 use tokosen::io::{StagedOutput, VectorFormat};
+use tokosen::raster::{Dem, RasterRows};
 use tokosen::surface::Uncertainty;
 use tokosen::terrain::HeightMap;
 use tokosen::{GridSpec, Terrain};
@@ -275,4 +275,20 @@ fn describe(path: &Path, dem: &Dem, unit: ElevationUnit, console: &Console) {
         100.0 * count as f64 / dem.grid.len().max(1) as f64,
         of_drawing(dem.crs.as_ref(), unit)
     ));
+}
+
+/// Writes a raster, still under its temporary name, if it is asked for.
+pub fn write_if_asked(
+    staged: Option<&StagedOutput>,
+    params: &RasterParams,
+    rows: &dyn RasterRows,
+    console: &Console,
+) -> Result<(), Failure> {
+    let Some(staged) = staged else { return Ok(()) };
+    let path = staged.path();
+    let written = console.step(params.quantity.name(), || match params.quantity {
+        Quantity::Shade if extension(&path) == "png" => write_shade(&path, rows),
+        _ => write_rows(&path, rows, params),
+    });
+    Ok(written.map_err(|e| staged.with_final_name(e))?)
 }

@@ -6,8 +6,8 @@ use clap::Args;
 use geo::MultiPolygon;
 use tokosen::Input;
 use tokosen::crs::Crs;
-use tokosen::dem::Dem;
 use tokosen::io::VectorSource;
+use tokosen::raster::Dem;
 use tokosen::terrain::{extent_on, read_area_on};
 
 use super::failure::Failure;

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::ReadOptions;
 use super::elevation::{Heights, coast_heights};
 use super::table::{NO_GEOMETRY, Table};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::contour::{CoastLine, StatedUnit};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::contour::{CoastLine, StatedUnit};
 
 /// The lines of a table, and the rings of its polygons, in the order of the file. What cannot be a coast is a finding.
 /// Also gives the unit that the file states for their levels.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use super::ordinary::{MAX_DESCRIPTION, check_ordinary, read_small};
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// Files beside an output that describe its former content and would be wrong for the new one. The first column is the
 /// extension of the output. The second lists endings that replace that extension.
@@ -139,8 +139,8 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::io::StagedOutput;
-    use crate::io::staged::tests::names_in;
+    use crate::StagedOutput;
+    use crate::staged::tests::names_in;
 
     #[test]
     fn companions_of_the_former_content_go_and_others_stay() {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::format::InputFormat;
 use super::gsi;
 use super::raster::READABLE_EXTENSIONS;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// What a path contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The finding about a coordinate reference system that is missing or that nobody describes.
 
-use crate::base::error::{Finding, FindingKind};
-use crate::crs::Crs;
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::crs::Crs;
 
 /// The finding about the system that a file names; none if it is known. `missing` says why there is none.
 pub(super) fn crs_finding(crs: Option<&Crs>, missing: impl FnOnce() -> String) -> Option<Finding> {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use super::attributes::{FLAGS, KINDS};
 use super::table::{Field, Table, Value};
-use crate::base::FeatureId;
+use tokosen_core::base::FeatureId;
 
 /// The marks of the features with lines: true for a depression. False only comes from a yes/no attribute.
 ///

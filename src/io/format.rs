@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// A vector format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

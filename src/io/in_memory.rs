@@ -8,8 +8,8 @@ use std::sync::Arc;
 use super::geojson;
 use super::gpkg::wkb;
 use super::table::{Feature, NO_GEOMETRY, Request, Table, Value};
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Features in memory. Copies share them.
 #[derive(Debug, Clone)]
@@ -124,7 +124,7 @@ impl Features {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::table::Purpose;
+    use crate::table::Purpose;
 
     /// A line from (0, 0) to (`x`, 1) as WKB.
     fn line(x: f64) -> Vec<u8> {

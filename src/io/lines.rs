@@ -5,12 +5,12 @@ use std::path::Path;
 use super::area::single_polygons;
 use super::attributes::is_kind_name;
 use super::table::{Line, NO_GEOMETRY, Table, Value};
-use crate::base::FeatureId;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::clean::is_place;
-use crate::contour::CliffLine;
-use crate::creases::{Bend, CreaseLine};
-use crate::streams::{RiverArea, StreamLine};
+use tokosen_core::base::FeatureId;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::clean::is_place;
+use tokosen_core::contour::CliffLine;
+use tokosen_core::creases::{Bend, CreaseLine};
+use tokosen_core::streams::{RiverArea, StreamLine};
 
 /// The words about a kind of lines.
 struct Words {

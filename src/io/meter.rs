@@ -3,16 +3,16 @@
 use std::io::{self, BufRead, Read};
 
 /// The largest document that is accepted, bytes. The largest published ones have about 20 MB.
-pub(in crate::io) const MAX_DOCUMENT_LENGTH: u64 = 4 << 30;
+pub(crate) const MAX_DOCUMENT_LENGTH: u64 = 4 << 30;
 
 /// The longest tag or text that is accepted, bytes.
 const MAX_ITEM_LENGTH: u64 = 256 << 20;
 
 /// A limited reader of a document, from any origin.
-pub(in crate::io) type DocumentReader<'s> = LimitedReader<&'s mut dyn BufRead>;
+pub(crate) type DocumentReader<'s> = LimitedReader<&'s mut dyn BufRead>;
 
 /// A reader that stops with an error if a document, or an item in it, exceeds its limit.
-pub(in crate::io) struct LimitedReader<R> {
+pub(crate) struct LimitedReader<R> {
     inner: R,
     document: u64,
     item: u64,

@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// The largest file beside an input that describes it, bytes. Files with statistics of many bands have some hundred kilobytes.
 pub(super) const MAX_DESCRIPTION: u64 = 64 << 20;

@@ -6,7 +6,7 @@ use super::companions::read_beside;
 use super::format::VectorFormat;
 use super::ordinary::check_replaceable;
 use super::{gpkg, maker};
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// A file to write.
 #[derive(Debug, Clone, Copy)]

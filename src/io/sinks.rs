@@ -6,9 +6,9 @@ use geo::MultiPolygon;
 
 use super::area::united_polygons;
 use super::table::{NO_GEOMETRY, Table};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::clean::is_place;
-use crate::drain::{Sink, SinkShape};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::clean::is_place;
+use tokosen_core::drain::{Sink, SinkShape};
 
 /// The points of a table as sinks, then its polygons. What cannot be one is a finding.
 pub(super) fn sinks(path: &Path, mut table: Table) -> Result<Report<Vec<Sink>>> {

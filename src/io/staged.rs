@@ -21,7 +21,7 @@ use super::companions::{foreign_prj, stale};
 use super::format::VectorFormat;
 use super::gpkg;
 use super::ordinary::check_replaceable;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// The hidden folders of all unfinished outputs. The list is global because a signal is for the whole process. While
 /// this lock is held, no output is being moved into place.
@@ -223,7 +223,7 @@ pub(super) mod tests {
     use super::*;
 
     /// The names in a folder, sorted.
-    pub(in crate::io) fn names_in(folder: &Path) -> Vec<String> {
+    pub(crate) fn names_in(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> =
             fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
@@ -311,13 +311,13 @@ pub(super) mod tests {
 
     #[test]
     fn a_geopackage_that_appears_meanwhile_keeps_its_layers() {
-        use crate::io::layer::{Geometry, Layer};
+        use crate::layer::{Geometry, Layer};
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.gpkg");
         let layer = |name| [Layer { name, geometry: Geometry::Lines, columns: &[], rows: Vec::new() }];
         let staged = ["one", "two"].map(|name| {
             let staged = StagedOutput::create(&path).unwrap();
-            crate::io::write_layers(&staged, &layer(name), None).unwrap();
+            crate::write_layers(&staged, &layer(name), None).unwrap();
             staged
         });
         // As if both runs had looked at the same moment, and seen that there is no file.

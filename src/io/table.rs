@@ -11,9 +11,9 @@ use super::attributes::{
     is_depth_name, is_elevation_name, is_kind_name, is_open_name, is_sigma_name, may_give_unit, may_mark, unit_in_name,
 };
 use super::unit_words::LengthWord;
-use crate::base::error::Finding;
-use crate::contour::UnitHint;
-use crate::crs::{Crs, LengthUnit};
+use tokosen_core::base::error::Finding;
+use tokosen_core::contour::UnitHint;
+use tokosen_core::crs::{Crs, LengthUnit};
 
 /// What the caller requests from a reader.
 pub(super) struct Request<'a> {

@@ -3,9 +3,9 @@
 use std::io::Read;
 use std::path::Path;
 
-use crate::base::error::{Error, Result};
-use crate::base::memory::check;
-use crate::io::ordinary::open_to_read;
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::memory::check;
 
 /// Text has no zero byte. This many bytes are checked before the rest is read. That is enough to recognise files that
 /// are not text, such as a file that has a length but no content.

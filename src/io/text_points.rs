@@ -13,8 +13,8 @@ use glam::DVec2;
 use super::shapefile::encoding::{self, Guess};
 use super::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
 use super::{text, wkt};
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::crs::Crs;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::crs::Crs;
 
 /// Extensions of such files.
 const EXTENSIONS: [&str; 4] = ["csv", "tsv", "txt", "xyz"];
@@ -220,7 +220,7 @@ fn number(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::{ReadOptions, read_spot_heights};
+    use crate::{ReadOptions, read_spot_heights};
 
     /// The points that a text holds, and their system.
     fn read(text: &[u8]) -> Result<(Vec<[f64; 3]>, Option<u32>, usize)> {

@@ -1,7 +1,7 @@
 //! Units of length as files write them beside elevations: as words, as codes of the EPSG registry, and as the codes of the
 //! contours of the USGS.
 
-use crate::base::ElevationUnit;
+use tokosen_core::base::ElevationUnit;
 
 /// A unit in which a file may state its elevations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

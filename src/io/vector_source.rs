@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::format::InputFormat;
 use super::gsi;
 use super::in_memory::InMemory;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// The key before the name of a layer, as QGIS writes it: `all.gpkg|layername=Lakes`.
 const LAYER_KEY: &str = "layername=";

@@ -6,8 +6,8 @@ use super::ReadOptions;
 use super::area::{check_polygons, single_polygons, united_polygons};
 use super::elevation::{Heights, polygon_heights};
 use super::table::Table;
-use crate::base::error::{Report, Result};
-use crate::contour::{Lake, StatedUnit};
+use tokosen_core::base::error::{Report, Result};
+use tokosen_core::contour::{Lake, StatedUnit};
 
 /// The polygons of a table as lakes, in the order of the file.
 ///

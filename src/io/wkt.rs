@@ -210,7 +210,7 @@ impl Reading<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::table::{Purpose, Request};
+    use crate::table::{Purpose, Request};
 
     fn read(text: &str, purpose: Purpose) -> Result<(Feature, Vec<String>), String> {
         let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose, memory: None });

@@ -9,7 +9,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::meter::DocumentReader;
-use crate::base::error::{Cause, Error, Result};
+use tokosen_core::base::error::{Cause, Error, Result};
 
 /// The largest nesting depth of elements. Published documents reach about 12.
 const MAX_DEPTH: usize = 100;
@@ -19,7 +19,7 @@ const ATTRIBUTES: [&str; 5] = ["srsName", "srsDimension", "order", "name", "orie
 
 /// The next event of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::io) enum Step {
+pub(crate) enum Step {
     /// An element begins.
     Start,
     /// An element ends.
@@ -31,7 +31,7 @@ pub(in crate::io) enum Step {
 }
 
 /// A document that is read from start to end.
-pub(in crate::io) struct Xml<'a, 's> {
+pub(crate) struct Xml<'a, 's> {
     reader: Reader<&'a mut DocumentReader<'s>>,
     buffer: Vec<u8>,
     encoding: &'static Encoding,
@@ -191,7 +191,7 @@ impl<'a, 's> Xml<'a, 's> {
 }
 
 /// The error for a document that cannot be read to its end.
-pub(in crate::io) fn unreadable(path: &Path, cause: impl Into<Cause>) -> Error {
+pub(crate) fn unreadable(path: &Path, cause: impl Into<Cause>) -> Error {
     Error::file_cause(path, "it cannot be read to its end", cause)
 }
 
@@ -219,7 +219,7 @@ fn attributes(start: &BytesStart<'_>) -> [Option<String>; ATTRIBUTES.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::meter::LimitedReader;
+    use crate::meter::LimitedReader;
 
     fn steps(text: &[u8]) -> Result<Vec<String>> {
         let mut bytes = text;

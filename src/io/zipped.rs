@@ -13,8 +13,8 @@ use super::meter::{DocumentReader, LimitedReader};
 use super::shapefile;
 use super::table::{Request, Table};
 use super::xml::unreadable;
-use crate::base::error::{Error, Result};
-use crate::io::ordinary::open_to_read;
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Result};
 
 const BUFFER: usize = 1 << 17;
 

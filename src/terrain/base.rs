@@ -5,16 +5,14 @@ use std::path::{Path, PathBuf};
 use geo::{BoundingRect, Coord, Intersects, MultiPolygon, Rect};
 use glam::DVec2;
 
-use super::compare::{along, way};
 use super::grid::Cells;
-use super::input::Input;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::progress::{Progress, step};
 use crate::contour::Interval;
-use crate::crs::Reprojection;
+use crate::crs::{Reprojection, Transform, converted};
 use crate::dem::compare::heights_between;
 use crate::dem::join::{Join, join};
-use crate::dem::{Dem, looks_like_degrees};
+use crate::raster::{Dem, looks_like_degrees};
 use crate::subdomains::FrameRing;
 
 /// A base that is further from the surface along the border than this is doubtful, in contour intervals. Contours of
@@ -54,22 +52,8 @@ pub struct BaseJoin {
     pub fade: f64,
 }
 
-impl Input {
-    /// Takes a height map that gives the heights outside the frame. Height maps of the terrain then cover both:
-    /// see [`Terrain::height_map`](super::Terrain::height_map). It is in the contours' coordinate reference system if it
-    /// names none. `file` is its name in messages. A base that was set before is replaced.
-    ///
-    /// # Errors
-    /// [`Error::File`] if it seems to be in degrees and neither it nor the contours name a system in degrees.
-    /// As [`Reprojection::bring`] if its system cannot be converted to the working one.
-    pub fn set_base(&mut self, dem: Dem, file: &Path) -> Result<()> {
-        self.base = Some(Base::new(dem, file, &self.reprojection)?);
-        Ok(())
-    }
-}
-
 impl Base {
-    fn new(dem: Dem, file: &Path, reprojection: &Reprojection) -> Result<Self> {
+    pub fn new(dem: Dem, file: &Path, reprojection: &Reprojection) -> Result<Self> {
         let crs = reprojection.of_side(dem.crs.as_ref()).cloned();
         if looks_like_degrees(&dem.grid, crs.as_ref()) || is_degrees_by_itself(&dem, reprojection) {
             let message = "the coordinates look like degrees, but the file names no coordinate reference system; name it first, for \
@@ -139,11 +123,12 @@ impl Background {
         interval: &Interval,
         progress: &dyn Progress,
     ) -> Result<Report<BaseJoin>> {
-        let way = way(&self.base.file, dem.crs.as_ref(), self.base.dem.crs.as_ref())?;
+        let to_base = Transform::between_known(dem.crs.as_ref(), self.base.dem.crs.as_ref());
+        let to_base = to_base.map_err(|error| error.in_file(&self.base.file))?;
         let cell = dem.metres_per_unit().unwrap_or(DVec2::ONE) * dem.grid.cell;
         let empty = dem.values.iter().filter(|height| height.is_nan()).count();
         let mut join = step(progress, "joining the base", || {
-            let heights = heights_between(&self.base.dem, &dem.grid, &|p| along(way.as_ref(), p));
+            let heights = heights_between(&self.base.dem, &dem.grid, &|p| converted(to_base.as_ref(), p));
             join(dem, &heights, self.fade / cell)
         });
         join.place = join.place.and_then(|centre| cells.on_plane(centre));

@@ -9,12 +9,12 @@ use glam::{DVec2, DVec3};
 
 use crate::base::bits::bits;
 use crate::contour::{Contour, ContourMap, clip};
-use crate::geometry::{Border, Segment, point_distance};
 #[cfg(feature = "io")]
 use crate::io::layer::{Layer, Row, Shape};
 use crate::skeleton::{BreakLine, JunctionEdge, LineEnd, Skeleton};
 use crate::streams::Stream;
 use crate::subdivision::Subdivision;
+use tokosen_core::geometry::{Border, Segment, point_distance};
 
 /// Cuts the ridge and canyon lines of a skeleton at the border of an area.
 pub fn clip_skeleton(skeleton: &mut Skeleton, area: &MultiPolygon<f64>) {

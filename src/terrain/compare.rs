@@ -12,9 +12,9 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
 use crate::base::{ElevationUnit, Grid};
 use crate::contour::{Interval, SpotHeights};
-use crate::crs::{Crs, Reprojection, Transform};
+use crate::crs::{Crs, Reprojection, Transform, converted};
 use crate::dem::compare::{Resampled, heights_at_places, heights_between};
-use crate::dem::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
+use crate::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
 use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
 
 /// One side of a comparison.
@@ -157,19 +157,6 @@ fn note(a: &Side, b: &Side, grid: &Grid) -> String {
     }
 }
 
-/// The conversion from one system to another; `None` if coordinates are the same in both, or if one is not known.
-/// `path` is named in the error.
-pub(super) fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>> {
-    let Some((from, to)) = from.zip(to) else { return Ok(None) };
-    let way = Transform::between(from, to).map_err(|error| error.in_file(path))?;
-    Ok(Some(way).filter(|way| !way.is_identity()))
-}
-
-/// A place after a conversion; unchanged if there is none.
-pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
-    way.map_or(Some(p), |way| way.forward(p))
-}
-
 impl Side {
     /// A height map from a file. `product` is the name of a known product and its stated accuracy (a standard
     /// deviation, metres).
@@ -235,40 +222,40 @@ impl Side {
 
     /// The conversion from some system to that of the heights; `None` if coordinates are the same in both, or if one is not
     /// known. `path` is named in the error.
-    pub(super) fn way_from(&self, crs: Option<&Crs>, path: &Path) -> Result<Option<Transform>> {
+    pub(super) fn transform_from(&self, crs: Option<&Crs>, path: &Path) -> Result<Option<Transform>> {
         let crs = self.reprojection.as_ref().map_or(crs, |reprojection| reprojection.of_side(crs));
-        way(path, crs, self.crs())
+        Transform::between_known(crs, self.crs()).map_err(|error| error.in_file(path))
     }
 
     /// Heights at the cell centres of a grid in some system. Those of a height map are computed when they are read, as far as no
     /// coordinates have to be transformed.
     fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Arc<dyn RasterRows>> {
-        let way = self.way_from(crs, &self.source.file)?;
+        let transform = self.transform_from(crs, &self.source.file)?;
         let surface = match &self.kind {
             Kind::Surface(surface) => surface,
-            Kind::Dem(dem) if way.is_none() && dem.grid() == *grid && dem.crs() == crs => return Ok(dem.clone()),
-            Kind::Dem(dem) if way.is_none() && dem.grid() == *grid => {
+            Kind::Dem(dem) if transform.is_none() && dem.grid() == *grid && dem.crs() == crs => return Ok(dem.clone()),
+            Kind::Dem(dem) if transform.is_none() && dem.grid() == *grid => {
                 return Ok(Arc::new(WithCrs { rows: dem.clone(), crs: crs.cloned() }));
             }
-            Kind::Dem(dem) if way.is_none() => {
+            Kind::Dem(dem) if transform.is_none() => {
                 return Ok(Arc::new(Resampled { source: dem.clone(), grid: *grid, crs: crs.cloned() }));
             }
             Kind::Dem(dem) => {
                 let dem = dem.whole()?;
-                let to_side = |p: DVec2| along(way.as_ref(), p);
+                let to_side = |p: DVec2| converted(transform.as_ref(), p);
                 let values = step(progress, "interpolating", || heights_between(&dem, grid, &to_side));
                 return Ok(Arc::new(Dem { grid: *grid, values, crs: crs.cloned() }));
             }
         };
-        let to_side = |p: DVec2| along(way.as_ref(), p);
-        let values = match &way {
+        let to_side = |p: DVec2| converted(transform.as_ref(), p);
+        let values = match &transform {
             None => heights(surface, grid, progress).values,
             Some(_) => heights_on(surface, grid, &to_side, progress),
         };
         let mut dem = Dem { grid: *grid, values, crs: crs.cloned() };
-        let from_side = |p: DVec2| way.as_ref().map_or(Some(p), |way| way.inverse(p));
+        let from_side = |p: DVec2| transform.as_ref().map_or(Some(p), |transform| transform.inverse(p));
         let other = InOther { to_surface: &to_side, from_surface: &from_side };
-        drain_heights(surface, &mut dem, way.is_some().then_some(other));
+        drain_heights(surface, &mut dem, transform.is_some().then_some(other));
         if let Some(area) = &self.part {
             mask(&mut dem, area, &to_side);
         }
@@ -277,8 +264,8 @@ impl Side {
 
     /// Heights at check points, NaN where there are none. `path` is the file of the points, for the error.
     pub(super) fn at(&self, path: &Path, checks: &SpotHeights) -> Result<Vec<f64>> {
-        let way = self.way_from(checks.crs.as_ref(), path)?;
-        let place = |k: usize| checks.points.get(k).and_then(|p| along(way.as_ref(), p.truncate()));
+        let transform = self.transform_from(checks.crs.as_ref(), path)?;
+        let place = |k: usize| checks.points.get(k).and_then(|p| converted(transform.as_ref(), p.truncate()));
         Ok(match &self.kind {
             Kind::Dem(dem) => {
                 let places: Vec<DVec2> = (0..checks.points.len()).map(|k| place(k).unwrap_or(DVec2::NAN)).collect();

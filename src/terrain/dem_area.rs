@@ -5,9 +5,9 @@ use geo::MultiPolygon;
 use super::part::box_area;
 use crate::base::error::Result;
 use crate::crs::{Crs, Reprojection};
-use crate::dem::Dem;
 #[cfg(feature = "io")]
 use crate::io::{ReadOptions, VectorSource, read_area};
+use crate::raster::Dem;
 
 /// An area in the coordinates of a height map. It is in them already if `crs` is `None`.
 ///

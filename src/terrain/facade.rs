@@ -10,10 +10,11 @@ use super::part::drop_outside;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::progress::Progress;
+use crate::contour::Target;
 use crate::contour::{ContourLayer, clip_lines};
 use crate::crs::{Crs, FromWorking, Reprojection};
+use crate::layers::{LayerParams, contour_layers};
 use crate::mesh::{Mesh, MeshParams, mesh};
-use crate::slice::{LayerParams, Target, contour_layers};
 use crate::subdomains::{FrameRing, MapExtent, frame_ring};
 use crate::surface::{Surface, build};
 
@@ -71,7 +72,7 @@ impl Terrain {
         input.report_sides_elsewhere();
         let part = input.take_part();
         let is_whole = part.is_none() && input.frame.polygon().is_none();
-        let params = options.surface(input, cells.as_ref());
+        let params = input.surface_params(options, cells.as_ref());
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
         let ground = || frame_ring(&input.map, &params.frame);
         let part_of_ground = part.as_ref().map(|part| part.of(&ground().area)).transpose()?;

@@ -10,8 +10,8 @@ use crate::base::error::{CrsNeed, Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::crs::{Crs, Reprojection, Transform};
-use crate::dem::Dem;
 use crate::drain::Pit;
+use crate::raster::Dem;
 use crate::spline::Wanted;
 use crate::subdomains::FrameRing;
 use crate::surface::{

@@ -7,8 +7,8 @@ use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
 use crate::base::progress::Progress;
 use crate::crs::Crs;
-use crate::dem::{Dem, mask};
 use crate::drain::Pit;
+use crate::raster::{Dem, mask};
 use crate::subdomains::FrameRing;
 
 /// A height map, and what is known about its heights.

@@ -4,16 +4,16 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use super::compare::{Kind, Pair, along};
+use super::compare::{Kind, Pair};
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
 use crate::base::{Grid, parallel};
 use crate::contour::{Interval, SpotHeights};
-use crate::crs::Transform;
+use crate::crs::{Transform, converted};
 use crate::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
 };
-use crate::dem::locate;
+use crate::raster::locate;
 use crate::tin::{NONE, Tin};
 
 /// Optional parameters of a comparison.
@@ -33,8 +33,8 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
     let (a, b) = (&*pair.a_heights, &*pair.b_heights);
     let distances = match pair.side_with_surface() {
         Some((side, surface)) => {
-            let way = side.way_from(b.crs(), &pair.b.source.file)?;
-            let to_map = |p: DVec2| along(way.as_ref(), p);
+            let transform = side.transform_from(b.crs(), &pair.b.source.file)?;
+            let to_map = |p: DVec2| converted(transform.as_ref(), p);
             let (a, b) = (a.whole()?, b.whole()?);
             let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
             let contours = &surface.map.contours;
@@ -82,10 +82,10 @@ fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
         _ => return Ok(None),
     };
     let dem = &*dem.whole()?;
-    let way = side.way_from(dem.crs.as_ref(), &side.source.file)?;
-    let triangles = match &way {
+    let transform = side.transform_from(dem.crs.as_ref(), &side.source.file)?;
+    let triangles = match &transform {
         None => locate(&surface.tin, &dem.grid, progress),
-        Some(way) => step(progress, "looking for bands", || triangles_at(&surface.tin, &dem.grid, way)),
+        Some(transform) => step(progress, "looking for bands", || triangles_at(&surface.tin, &dem.grid, transform)),
     };
     // On water, a small difference of height does not contradict a contour.
     let band = |i: usize| {
@@ -96,11 +96,11 @@ fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
 }
 
 /// The triangles of cell centres in another system, found by walking along each row.
-fn triangles_at(tin: &Tin, grid: &Grid, way: &Transform) -> Vec<u32> {
+fn triangles_at(tin: &Tin, grid: &Grid, transform: &Transform) -> Vec<u32> {
     let row = |row: usize| {
         let mut near = 0;
         (0..grid.cols).map(move |col| {
-            let Some(p) = way.forward(grid.center(col, row)) else { return NONE };
+            let Some(p) = transform.forward(grid.center(col, row)) else { return NONE };
             let found = tin.walk(near, p - tin.origin);
             near = found.unwrap_or_else(|left| left);
             found.unwrap_or(NONE)

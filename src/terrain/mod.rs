@@ -4,14 +4,10 @@
 //! This module calls the steps of the other modules in the right order. The findings about the input are in
 //! [`Terrain::findings`].
 
-mod arrays;
 mod base;
-mod cliffs;
 mod clipped;
-mod coast;
 mod compare;
 mod dem_area;
-mod exclude;
 mod facade;
 #[cfg(feature = "io")]
 mod files;
@@ -27,7 +23,10 @@ mod outline;
 mod part;
 mod plane;
 mod plausible;
+mod preparation;
 mod prepare;
+#[cfg(feature = "draw")]
+mod report;
 mod room;
 #[cfg(feature = "io")]
 mod sheets;
@@ -36,7 +35,7 @@ mod sides;
 mod tests;
 mod units;
 
-pub use arrays::{RaggedLines, TriangleArrays};
+pub use crate::arrays::{RaggedLines, TriangleArrays};
 pub use base::BaseJoin;
 #[cfg(feature = "io")]
 pub use clipped::clip_areas;
@@ -55,4 +54,7 @@ pub use input::{Input, InputOptions};
 pub use json::{check_json, comparison_json};
 pub use measure::{MeasureOptions, add_check_points, measure};
 pub use options::Options;
-pub use prepare::{Preparation, Repair, all_right, is_repair};
+pub use preparation::{Preparation, Repair};
+pub use prepare::{all_right, is_repair};
+#[cfg(feature = "draw")]
+pub use report::{page, sentences};

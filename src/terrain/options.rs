@@ -1,18 +1,11 @@
 //! How a terrain is made: [`Options`].
 
-use glam::DVec2;
-
 use super::grid::{Cells, GridSpec};
-use super::input::Input;
-use super::prepare::Preparation;
+use super::preparation::Preparation;
 use crate::base::error::{Error, Result};
-use crate::contour::ContourMap;
 use crate::crs::Reprojection;
 use crate::drain::Drain;
-use crate::spline::SplineParams;
-use crate::streams::Streams;
-use crate::subdivision::Water;
-use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use crate::surface::{SurfaceKind, Triangles, Uncertainty};
 use crate::tuning::Tuning;
 
 /// How the lines are prepared and the surface is made.
@@ -24,18 +17,18 @@ pub struct Options {
     pub kind: SurfaceKind,
     /// The method's resolution parameter w: larger values give fewer ridge and canyon lines.
     pub resolution: f64,
-    /// Tension of the smooth surface, chosen from the contours if `None`; see [`SplineParams`].
+    /// Tension of the smooth surface, chosen from the contours if `None`; see [`SplineParams`](crate::spline::SplineParams).
     pub tension: Option<f64>,
-    /// Noise of the contours, 0 to 1, chosen from the contours if `None`; see [`SplineParams`].
+    /// Noise of the contours, 0 to 1, chosen from the contours if `None`; see [`SplineParams`](crate::spline::SplineParams).
     pub noise: Option<f64>,
     /// The level of the sea, metres. Ground that reaches down only to contours of this level is the sea.
     pub sea: Option<f64>,
-    /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`].
+    /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`](crate::streams::Streams::tolerance).
     pub stream_tolerance: Option<f64>,
     /// Distance from the surface at which a twentieth of its difference from the base is left, map units. If `None`: a
-    /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`].
+    /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`](super::Input::set_base).
     pub base_fade: Option<f64>,
-    /// Which pits get a way out. Sinks are given by [`Input::add_sinks`].
+    /// Which pits get a way out. Sinks are given by [`Input::add_sinks`](super::Input::add_sinks).
     pub drain: Drain,
     /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.
@@ -84,36 +77,4 @@ impl Options {
     pub(super) fn cells(&self, reprojection: &Reprojection) -> Result<Option<Cells>> {
         self.grid.as_ref().map(|grid| grid.over(reprojection)).transpose()
     }
-
-    /// The parameters of the surface of an input, whose frame and lakes are moved out of it.
-    pub(super) fn surface(&self, input: &mut Input, cells: Option<&Cells>) -> SurfaceParams {
-        let wanted = cells.zip(middle(&input.map)).and_then(|(cells, place)| cells.wanted(place));
-        SurfaceParams {
-            kind: self.kind,
-            frame: std::mem::take(&mut input.frame),
-            resolution: self.resolution,
-            water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea, coast: input.coast.clone() },
-            cliffs: std::mem::take(&mut input.cliffs),
-            creases: std::mem::take(&mut input.creases),
-            streams: Streams {
-                lines: std::mem::take(&mut input.streams),
-                areas: std::mem::take(&mut input.river_areas),
-                tolerance: self.stream_tolerance,
-            },
-            drain: self.drain,
-            sinks: std::mem::take(&mut input.sinks),
-            spline: SplineParams { wanted, tension: self.tension, noise: self.noise },
-            triangles: self.triangles,
-            uncertainty: self.uncertainty,
-            memory: self.memory,
-            tuning: self.tuning,
-        }
-    }
-}
-
-/// The middle of the box around the contours of a map.
-fn middle(map: &ContourMap) -> Option<DVec2> {
-    let points = map.contours.iter().flat_map(|c| c.points.iter().copied());
-    let around = points.map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)));
-    around.map(|(lo, hi)| (lo + hi) / 2.0)
 }

@@ -8,13 +8,11 @@ use std::collections::HashSet;
 use geo::{Area, BoundingRect, Contains, Coord, MultiPolygon, Rect};
 use glam::DVec2;
 
-use super::input::Input;
 use crate::base::error::{Error, Finding, Result};
 use crate::contour::{Contour, ContourMap};
-use crate::crs::Crs;
-use crate::geometry::Border;
-use crate::geometry::common_area;
 use crate::subdomains::{Frame, frame_ring};
+use tokosen_core::geometry::Border;
+use tokosen_core::geometry::common_area;
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
 const SPACINGS: f64 = 12.0;
@@ -37,46 +35,6 @@ pub(super) struct Part {
     boxed: MultiPolygon<f64>,
 }
 
-impl Input {
-    /// Limits results to an area of the map: lines end at its border, height maps cover it. The contours around it still
-    /// count, unlike with [`Input::set_boundary`]. The area is in the contours' coordinate reference system if `crs` is
-    /// `None`. Call it before [`Input::prepare`]: lines far from the area are left out.
-    ///
-    /// # Errors
-    /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
-    pub fn set_part(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
-        let area = self.reprojection.bring(crs)?.boundary(area)?;
-        if area.unsigned_area() == 0.0 {
-            let message =
-                "the part of the map has no area: coordinates are rounded to micrometres; choose a larger part";
-            return Err(Error::Parameter(message.into()));
-        }
-        let part = Part::new(area, &self.map).map_err(|error| self.in_drawing(error))?;
-        part.cut(&mut self.map);
-        self.part = Some(part);
-        Ok(())
-    }
-
-    /// The error with the coordinates of the drawing, if the input is one in another unit than metres.
-    fn in_drawing(&self, error: Error) -> Error {
-        let there = |corners: [DVec2; 2]| corners.map(|corner| self.reprojection.in_input(corner).unwrap_or(corner));
-        match (error, self.reprojection.plane_of_drawing()) {
-            (Error::PartOutside { part, map, of }, Some(_)) => {
-                Error::PartOutside { part: there(part), map: there(map), of }
-            }
-            (error, _) => error,
-        }
-    }
-
-    /// [`Input::set_part`] for an upright box: least x, least y, greatest x, greatest y.
-    ///
-    /// # Errors
-    /// As [`Input::set_part`], and [`Error::Parameter`] if the box has no width or no height.
-    pub fn set_extent(&mut self, extent: [f64; 4], crs: Option<&Crs>) -> Result<()> {
-        self.set_part(&box_area(extent)?, crs)
-    }
-}
-
 /// An upright box as an area: least x, least y, greatest x, greatest y.
 ///
 /// # Errors
@@ -90,7 +48,7 @@ pub(super) fn box_area([west, south, east, north]: [f64; 4]) -> Result<MultiPoly
 }
 
 impl Part {
-    fn new(area: MultiPolygon<f64>, map: &ContourMap) -> Result<Self> {
+    pub(super) fn new(area: MultiPolygon<f64>, map: &ContourMap) -> Result<Self> {
         let [hull, boxed] = [Frame::Hull, Frame::Box].map(|frame| frame_ring(map, &frame).area);
         let (Some(inner), Some(whole)) = (area.bounding_rect(), boxed.bounding_rect()) else {
             return Err(Error::NoContours { in_polygon: false });
@@ -106,7 +64,7 @@ impl Part {
     }
 
     /// Leaves out what does not meet the window.
-    fn cut(&self, map: &mut ContourMap) {
+    pub(super) fn cut(&self, map: &mut ContourMap) {
         map.contours.retain(|line| meets(line, &self.window));
         map.spots.retain(|spot| holds(&self.window, spot.truncate()));
         map.soft_spots.retain(|spot| holds(&self.window, spot.place.truncate()));

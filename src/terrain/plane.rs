@@ -4,7 +4,7 @@ use crate::base::ElevationUnit;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, reproject};
 use crate::crs::{Crs, CrsKind, Reprojection, working_crs};
-use crate::dem::other_unit;
+use crate::raster::other_unit;
 
 /// The map with the system that the caller names.
 pub(super) fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Finding>) -> ContourMap {

@@ -6,52 +6,18 @@ use super::input::Input;
 use super::options::Options;
 use super::part::{Part, drop_outside};
 use super::plausible;
+use super::preparation::{Preparation, Repair};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
 use crate::base::memory;
 use crate::base::progress::{Progress, step};
 use crate::check::{LineParams, correct, examine, first_causes, merged, placeholders};
-use crate::clean::{CleanParams, clean};
+use crate::clean::clean;
 use crate::contour::{ContourMap, find_interval};
-use crate::resample::{FitParams, SampleParams, fit, sample};
+use crate::resample::{FitParams, fit, sample};
 use crate::streams::{Stream, Streams};
 use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
 use crate::subdomains::settled;
 use crate::surface::{SurfaceParams, settle_lines};
-
-/// How far a map is repaired.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Repair {
-    /// Not at all: lines that must be cut or joined are an error.
-    None,
-    /// Only what cannot change the meaning: repeated points, duplicates, ends within the snap distance, crossing parts
-    /// of lines.
-    #[default]
-    Safe,
-    /// Also elevations, gaps and stray vertices, as the findings propose.
-    All,
-}
-
-/// How the lines are prepared.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Preparation {
-    /// Line ends of one elevation are joined up to this distance, units of the working coordinate reference system.
-    pub snap: f64,
-    /// How far the lines are repaired.
-    pub repair: Repair,
-    /// Whether an error or a warning about the input makes the preparation fail.
-    pub strict: bool,
-    /// Tolerance of a fit with smooth curves, units of the working coordinate reference system; no fit if `None`.
-    pub fit: Option<f64>,
-    /// Vertices are added until the distance between neighbours on a line is at most this many times the distance to
-    /// the nearest other contour; none are added if `None`.
-    pub sample: Option<f64>,
-}
-
-impl Default for Preparation {
-    fn default() -> Self {
-        Self { snap: 0.01, repair: Repair::Safe, strict: false, fit: None, sample: None }
-    }
-}
 
 /// The findings that report a change of the lines.
 const REPAIRS: &[FindingKind] = &[
@@ -80,33 +46,6 @@ const ROUNDS: usize = 3;
 /// Whether a finding reports a change of the lines.
 pub fn is_repair(finding: &Finding) -> bool {
     REPAIRS.contains(&finding.kind)
-}
-
-impl Preparation {
-    /// Checks the parameters. Each step does so too; this is for callers that check before they read files.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] with the first parameter that is out of its range.
-    pub fn check(&self) -> Result<()> {
-        if !(self.snap.is_finite() && self.snap >= 0.0) {
-            return Err(Error::out_of_range("snap distance", self.snap, "0 or more"));
-        }
-        if let Some(tolerance) = self.fit.filter(|t| !(t.is_finite() && *t > 0.0)) {
-            return Err(Error::out_of_range("fitting tolerance", tolerance, "more than 0"));
-        }
-        if let Some(ratio) = self.sample.filter(|r| !(*r > 0.0 && *r < 1.0)) {
-            return Err(Error::out_of_range("sampling ratio", ratio, "more than 0 and less than 1"));
-        }
-        Ok(())
-    }
-
-    fn near(&self) -> CleanParams {
-        CleanParams { snap: self.snap, ..CleanParams::default() }
-    }
-
-    fn sampling(&self) -> Option<SampleParams> {
-        self.sample.map(|ratio| SampleParams { ratio, ..SampleParams::default() })
-    }
 }
 
 impl Input {
@@ -238,7 +177,7 @@ impl Input {
         self.report_sides_elsewhere();
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
-        let params = options.surface(self, None);
+        let params = self.surface_params(options, None);
         params.check()?;
         match (subdivide_with_water(map, &params.frame, &params.water, progress), flat) {
             (Err(error @ (Error::NoContours { .. } | Error::TooFewLevels { .. })), Some(map)) => {

@@ -8,10 +8,11 @@ use glam::DVec2;
 use proptest::prelude::*;
 use tokosen::base::error::Error;
 use tokosen::base::{ElevationUnit, Grid};
+use tokosen::contour::Target;
 use tokosen::contour::{ContourLine, Source};
-use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, SMALLEST_TOLERANCE, TOLERANCE, contours};
-use tokosen::slice::{Target, signed_area};
+use tokosen::raster::Dem;
+use tokosen::slice::signed_area;
 
 use crate::common::{self, Random, Terrain, crossings, distance, traces_of};
 

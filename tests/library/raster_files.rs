@@ -12,10 +12,10 @@ use tiff::tags::Tag;
 use tokosen::base::Grid;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::crs::Crs;
-use tokosen::dem::Dem;
 use tokosen::io::raster::{
     PngEncoding, Quantity, RasterParams, read_dem, read_grid, write_dem, write_raster, write_shade,
 };
+use tokosen::raster::Dem;
 
 /// Rolling ground with a hole.
 fn sample(cols: usize, rows: usize) -> Dem {

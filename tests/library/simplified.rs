@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 use glam::DVec2;
+use tokosen::contour::Target;
 use tokosen::contour::{ContourLine, Source};
-use tokosen::slice::{LayerParams, SIMPLIFIED, Target, contour_layers};
+use tokosen::layers::{LayerParams, SIMPLIFIED, contour_layers};
 use tokosen::surface::{Surface, SurfaceParams, build};
 
 use crate::common::{self, distance};

@@ -9,10 +9,11 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::{Finding, FindingKind};
+use tokosen::contour::Target;
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
 use tokosen::drain::{Drain, Sink, SinkShape};
-use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::streams::{RiverArea, Stream, StreamLine, Streams};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
 

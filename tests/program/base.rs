@@ -4,8 +4,8 @@
 
 use std::fs;
 
-use tokosen::dem::Dem;
 use tokosen::io::raster::{RasterParams, read_dem, read_standard_errors, write_dem, write_raster};
+use tokosen::raster::Dem;
 
 use crate::common::Folder;
 use crate::running::{Running, folder_with};

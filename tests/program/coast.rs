@@ -6,8 +6,8 @@ use std::fs;
 
 use glam::DVec2;
 use tokosen::contour::{Contour, ContourMap};
-use tokosen::dem::Dem;
 use tokosen::io::raster::read_dem;
+use tokosen::raster::Dem;
 
 use crate::common::Folder;
 use crate::maps::put;

@@ -8,9 +8,9 @@ use glam::DVec2;
 use serde_json::{Value, json};
 use tokosen::base::{ElevationUnit, Grid};
 use tokosen::crs::{Crs, Transform};
-use tokosen::dem::Dem;
 use tokosen::io::raster::{RasterParams, write_dem, write_raster};
 use tokosen::io::{ReadOptions, read_contours};
+use tokosen::raster::Dem;
 
 use super::running::{Running, run, said};
 use crate::common;

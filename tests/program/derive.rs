@@ -8,8 +8,8 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use glam::DVec2;
 use tokosen::base::Grid;
 use tokosen::crs::Crs;
-use tokosen::dem::Dem;
 use tokosen::io::raster::{read_dem, write_dem};
+use tokosen::raster::Dem;
 
 use crate::common;
 

@@ -9,8 +9,8 @@ use std::path::Path;
 use glam::DVec2;
 use rusqlite::Connection;
 use tokosen::contour::{Contour, ContourMap};
-use tokosen::dem::Dem;
 use tokosen::io::raster::read_dem;
+use tokosen::raster::Dem;
 
 use crate::common::Folder;
 use crate::maps::put;

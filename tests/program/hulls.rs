@@ -4,8 +4,8 @@
 
 use glam::DVec2;
 use serde_json::{Value, json};
-use tokosen::dem::Dem;
 use tokosen::io::raster::read_dem;
+use tokosen::raster::Dem;
 
 use crate::common::Folder;
 use crate::running::{Running, folder_with};

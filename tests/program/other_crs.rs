@@ -5,9 +5,9 @@
 use glam::DVec2;
 use tokosen::contour::{Contour, ContourLayer, ContourLine, ContourMap, Source};
 use tokosen::crs::{Crs, Transform};
-use tokosen::dem::Dem;
 use tokosen::io::raster::{read_dem, read_standard_errors};
 use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_contours};
+use tokosen::raster::Dem;
 
 use crate::common;
 use crate::running::{Running, run, said};

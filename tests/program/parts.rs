@@ -4,9 +4,9 @@
 
 use glam::DVec2;
 use tokosen::contour::ContourMap;
-use tokosen::dem::Dem;
 use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_contours};
+use tokosen::raster::Dem;
 
 use crate::common::Folder;
 use crate::running::{Running, folder_with};

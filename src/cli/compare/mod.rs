@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, Difference};
-use tokosen::draw::report::{page, sentences, table};
+use tokosen::draw::report::table;
 use tokosen::io::raster::{Quantity, RasterParams, write_rows};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content};
-use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_check_points};
+use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, read_check_points, sentences};
 
 use super::console::Console;
 use super::failure::Failure;

@@ -15,7 +15,7 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use super::view::Subject;
-use crate::skeleton::{BreakKind, BreakLine};
+use tokosen_core::skeleton::{BreakKind, BreakLine};
 
 /// Nothing is drawn this near to the frame, pixels.
 pub(super) const REACH: f64 = 12.0;
@@ -161,7 +161,7 @@ fn away(line: &[DVec3], edges: &RTree<Line<[f64; 2]>>, pixel: f64) -> Vec<Vec<DV
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::skeleton::LineEnd;
+    use tokosen_core::skeleton::LineEnd;
 
     fn line(kind: BreakKind, points: &[(f64, f64)]) -> BreakLine {
         let points = points.iter().map(|&(x, y)| DVec3::new(x, y, 7.0)).collect();

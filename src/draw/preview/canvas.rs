@@ -4,7 +4,7 @@ use image::RgbImage;
 use tiny_skia::{Color, Paint, Pixmap, Shader};
 
 use super::color::Rgb;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 pub(super) fn pixmap(width: usize, height: usize) -> Result<Pixmap> {
     let size = u32::try_from(width).ok().zip(u32::try_from(height).ok());

@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::stroke::{clip, rim, to_pixels};
-use crate::base::Grid;
+use tokosen_core::base::Grid;
 
 /// Side of a block, pixels.
 const BLOCK: f64 = 16.0;

@@ -1,9 +1,9 @@
 //! Areas in colour for pictures of sub-domains and of triangles.
 
 use super::patches::{Patch, PatchClass, Patches};
-use crate::skeleton::Skeleton;
-use crate::subdomains::{Landform, LandformClass};
-use crate::tin::{Tin, TriangleKind};
+use tokosen_core::skeleton::Skeleton;
+use tokosen_core::subdomains::{Landform, LandformClass};
+use tokosen_core::tin::{Tin, TriangleKind};
 
 /// Sub-domains, coloured by class: warm for high ground, cool for low.
 pub fn landform_patches(forms: &[Landform], tin: &Tin) -> Patches {

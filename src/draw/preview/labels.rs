@@ -7,9 +7,9 @@ use super::color::INPUT;
 use super::plan::{Plan, drawn_as};
 use super::stroke::{FINE, to_pixels};
 use super::text::{Turned, Typesetter};
-use crate::base::Grid;
-use crate::contour::{ContourLine, Source};
-use crate::slice::{Label, LabelParams, place_labels};
+use tokosen_core::base::Grid;
+use tokosen_core::contour::{ContourLine, Source};
+use tokosen_core::slice::{Label, LabelParams, place_labels};
 
 /// Size of the text, pixels.
 const TEXT: f32 = 13.0;

@@ -9,9 +9,9 @@ use super::patches::Patches;
 use super::plan::{Class, Plan};
 use super::stroke::{self, Style, break_line_style};
 use super::text::{Align, Typesetter};
-use crate::crs::Crs;
-use crate::draw::scale;
-use crate::skeleton::BreakKind;
+use crate::scale;
+use tokosen_core::crs::Crs;
+use tokosen_core::skeleton::BreakKind;
 
 /// Size of the legend's text, pixels.
 const TEXT: f32 = 15.0;
@@ -282,8 +282,8 @@ mod tests {
 
     use super::super::plan::plan;
     use super::*;
-    use crate::base::Grid;
-    use crate::contour::{ContourLine, Source};
+    use tokosen_core::base::Grid;
+    use tokosen_core::contour::{ContourLine, Source};
 
     const GRID: Grid = Grid { corner: DVec2::new(0.0, 400.0), cell: DVec2::ONE, cols: 400, rows: 400 };
 

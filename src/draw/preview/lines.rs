@@ -5,9 +5,9 @@ use tiny_skia::{Mask, Pixmap};
 use super::break_lines::Chosen;
 use super::plan::{Class, Plan, drawn_as, is_inferred};
 use super::stroke::{break_line_style, dashed, path, stroke};
-use crate::base::Grid;
-use crate::contour::{ContourLine, Source};
-use crate::skeleton::BreakKind;
+use tokosen_core::base::Grid;
+use tokosen_core::contour::{ContourLine, Source};
+use tokosen_core::skeleton::BreakKind;
 
 /// Draws the contours of the plan, the interpolated ones below the input's, and the break lines above both. The mask is
 /// closed where labels are.

@@ -6,7 +6,7 @@ use super::canvas::paint;
 use super::color::INK;
 use super::stroke::{Style, stroke};
 use super::text::{Align, Turned, Typesetter};
-use crate::draw::coordinates::{Tick, Ticks};
+use crate::coordinates::{Tick, Ticks};
 
 /// Size of the coordinates, pixels.
 const TEXT: f32 = 12.5;

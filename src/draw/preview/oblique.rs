@@ -20,14 +20,14 @@ use super::stroke::{Style, break_line_style};
 use super::text::Typesetter;
 use super::view::Subject;
 use super::zbuffer::{self, Corner, Piece, Scene};
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
-use crate::contour::{ContourLine, Source};
-use crate::dem::Dem;
-use crate::dem::shade::{Lights, ShadeParams};
-use crate::draw::scale;
-use crate::mesh::Mesh;
-use crate::skeleton::{BreakKind, BreakLine};
+use crate::scale;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::contour::{ContourLine, Source};
+use tokosen_core::dem::shade::{Lights, ShadeParams};
+use tokosen_core::mesh::Mesh;
+use tokosen_core::raster::Dem;
+use tokosen_core::skeleton::{BreakKind, BreakLine};
 
 /// Direction of the eye, degrees west of south; the light of the map then comes from the left.
 const TURN: f64 = 25.0;
@@ -312,9 +312,9 @@ impl Brightness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::preview::MAX_SIDE;
-    use crate::draw::preview::color::{PAPER, RIDGE};
-    use crate::skeleton::LineEnd;
+    use crate::preview::MAX_SIDE;
+    use crate::preview::color::{PAPER, RIDGE};
+    use tokosen_core::skeleton::LineEnd;
 
     /// A field of `n` by `n` squares of ten units, each two triangles, closed by a base where one is given.
     fn field(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {

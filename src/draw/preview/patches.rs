@@ -6,7 +6,7 @@ use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Transform};
 use super::canvas::paint;
 use super::color::{INK, Rgb};
 use super::stroke::{Style, stroke, to_pixels};
-use crate::base::Grid;
+use tokosen_core::base::Grid;
 
 /// Opacity of the fill, 0 to 1.
 const ALPHA: f32 = 0.6;

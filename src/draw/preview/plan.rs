@@ -13,8 +13,8 @@
 use super::color::{INPUT, INTERPOLATED};
 use super::density::Density;
 use super::stroke::Style;
-use crate::base::Grid;
-use crate::contour::{ContourLine, Source};
+use tokosen_core::base::Grid;
+use tokosen_core::contour::{ContourLine, Source};
 
 /// Spacing at which the input's contours have room, pixels, and the share of their length that must have it.
 const INPUT_ROOM: (f64, f64) = (3.2, 0.75);

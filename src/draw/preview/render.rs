@@ -12,12 +12,12 @@ use super::sheet::{Head, MARGIN, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
 use super::text::Typesetter;
 use super::view::Preview;
 use super::{break_lines, labels, legend, lines, margin, patches};
-use crate::base::error::{Error, Result};
-use crate::crs::{Crs, Reprojection};
-use crate::dem::Dem;
-use crate::dem::shade::{ShadeParams, hillshade, steepness};
-use crate::draw::coordinates::{Notation, Ticks, ticks};
-use crate::draw::scale;
+use crate::coordinates::{Notation, Ticks, ticks};
+use crate::scale;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::{Crs, Reprojection};
+use tokosen_core::dem::shade::{ShadeParams, hillshade, steepness};
+use tokosen_core::raster::Dem;
 
 /// Heights are scaled until the median slope is about this steep, because its hillshade has a good contrast.
 const GOOD_SLOPE: f64 = 0.42;
@@ -170,10 +170,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::contour::{ContourLine, Source};
-    use crate::crs::Crs;
-    use crate::draw::preview::{MAX_SIDE, Patch, PatchClass, Patches, map_grid};
-    use crate::skeleton::{BreakKind, BreakLine, LineEnd};
+    use crate::preview::{MAX_SIDE, Patch, PatchClass, Patches, map_grid};
+    use tokosen_core::contour::{ContourLine, Source};
+    use tokosen_core::crs::Crs;
+    use tokosen_core::skeleton::{BreakKind, BreakLine, LineEnd};
 
     /// A round hill on the grid of its extent, with a hole in the north-west corner.
     fn hill(width: f64, height: f64) -> Dem {

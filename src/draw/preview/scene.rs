@@ -7,16 +7,16 @@ use super::patches::Patches;
 use super::render::render;
 use super::sheet::map_grid;
 use super::view::{Preview, Subject};
-use crate::base::Grid;
-use crate::base::error::Result;
-use crate::contour::{Contour, ContourLine, Interval, Source};
-use crate::crs::Reprojection;
-use crate::dem::compare::heights_between;
-use crate::dem::{Dem, rasterise};
-use crate::skeleton::BreakLine;
-use crate::subdivision::Subdivision;
-use crate::subdomains::FrameRing;
-use crate::surface::{Surface, heights};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::Result;
+use tokosen_core::contour::{Contour, ContourLine, Interval, Source};
+use tokosen_core::crs::Reprojection;
+use tokosen_core::dem::compare::heights_between;
+use tokosen_core::raster::{Dem, rasterise};
+use tokosen_core::skeleton::BreakLine;
+use tokosen_core::subdivision::Subdivision;
+use tokosen_core::subdomains::FrameRing;
+use tokosen_core::surface::{Surface, heights};
 
 /// How many levels of the input lie between index contours in a picture.
 const INDEX_EVERY: i64 = 5;

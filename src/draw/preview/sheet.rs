@@ -7,8 +7,8 @@ use super::canvas::{color_of, pixmap};
 use super::color::{INK, PAPER};
 use super::legend;
 use super::text::{Align, Typesetter};
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
 
 /// The longest side of the whole picture, pixels.
 pub const MAX_SIDE: usize = 1600;

@@ -5,8 +5,8 @@ use tiny_skia::{LineCap, LineJoin, Mask, Path, PathBuilder, Pixmap, Stroke, Stro
 
 use super::canvas::paint;
 use super::color::{CANYON, RIDGE, Rgb};
-use crate::base::Grid;
-use crate::skeleton::BreakKind;
+use tokosen_core::base::Grid;
+use tokosen_core::skeleton::BreakKind;
 
 /// Lines are cut off this far beyond the map, so that no cut end shows, pixels.
 const BLEED: f64 = 8.0;

@@ -3,10 +3,10 @@
 use glam::DVec2;
 
 use super::patches::Patches;
-use crate::contour::ContourLine;
-use crate::crs::Reprojection;
-use crate::dem::Dem;
-use crate::skeleton::BreakLine;
+use tokosen_core::contour::ContourLine;
+use tokosen_core::crs::Reprojection;
+use tokosen_core::raster::Dem;
+use tokosen_core::skeleton::BreakLine;
 
 /// What to draw.
 #[derive(Debug, Clone, Copy)]

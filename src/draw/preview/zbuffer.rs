@@ -10,8 +10,8 @@ use glam::{DVec2, DVec3};
 
 use super::color::{PAPER, Rgb};
 use super::stroke::Style;
-use crate::base::parallel;
-use crate::base::rows::Rows;
+use tokosen_core::base::parallel;
+use tokosen_core::base::rows::Rows;
 
 /// Samples along each side of a pixel.
 const FINE: usize = 3;

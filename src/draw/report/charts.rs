@@ -6,8 +6,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::profile::Profile;
-use crate::base::error::{Error, Result};
-use crate::dem::compare::{Comparison, LevelHistogram};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::dem::compare::{Comparison, LevelHistogram};
 
 /// Width and height, in units that are pixels at full size.
 const SIZE: (u32, u32) = (540, 360);

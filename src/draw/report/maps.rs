@@ -8,10 +8,10 @@ use glam::DVec2;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
-use crate::dem::Dem;
-use crate::dem::shade::{ShadeParams, hillshade};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::dem::shade::{ShadeParams, hillshade};
+use tokosen_core::raster::Dem;
 
 /// Longest side of a picture, pixels.
 const LONGEST: usize = 1000;

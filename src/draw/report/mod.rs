@@ -6,14 +6,14 @@
 mod charts;
 mod maps;
 mod page;
-mod pair;
 mod profile;
 mod survey;
 mod table;
+mod text;
 mod view;
 mod words;
 
 pub use page::{ComparisonPage, comparison_page, difference_map};
-pub use pair::{page, sentences, table};
 pub use table::{Group, Row, decimals_for, groups};
+pub use text::table;
 pub use words::{HeightSource, remarks};

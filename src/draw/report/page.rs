@@ -10,9 +10,9 @@ use super::survey::{Survey, survey};
 use super::table::{Row, decimals_for, groups, number, thousands};
 use super::view::{View, Width};
 use super::words::{HeightSource, remarks};
-use crate::base::error::Result;
-use crate::dem::RasterRows;
-use crate::dem::compare::{Comparison, round_limit};
+use tokosen_core::base::error::Result;
+use tokosen_core::dem::compare::{Comparison, round_limit};
+use tokosen_core::raster::RasterRows;
 
 const STYLE: &str = include_str!("style.css");
 

@@ -2,9 +2,9 @@
 
 use glam::DVec2;
 
-use crate::base::error::Result;
-use crate::dem::RasterRows;
-use crate::dem::compare::{Comparison, Strip};
+use tokosen_core::base::error::Result;
+use tokosen_core::dem::compare::{Comparison, Strip};
+use tokosen_core::raster::RasterRows;
 
 /// Cells from the middle of the line to each end.
 const REACH: f64 = 60.0;

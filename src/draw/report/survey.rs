@@ -2,9 +2,9 @@
 
 use super::charts::{Bars, Pairs};
 use super::maps::{DataBox, Reduced, Window};
-use crate::base::error::Result;
-use crate::dem::compare::{Comparison, subtract};
-use crate::dem::{Dem, RasterRows, each_pair};
+use tokosen_core::base::error::Result;
+use tokosen_core::dem::compare::{Comparison, subtract};
+use tokosen_core::raster::{Dem, RasterRows, each_pair};
 
 /// What the passes find.
 pub(super) struct Survey {

@@ -1,6 +1,6 @@
 //! The rows of the tables: all cells, classes, check points.
 
-use crate::dem::compare::{Class, Comparison, Statistics};
+use tokosen_core::dem::compare::{Class, Comparison, Statistics};
 
 /// Rows under one heading.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,10 +4,10 @@ use glam::DVec2;
 use maud::{Markup, html};
 
 use super::maps;
-use crate::base::Grid;
-use crate::dem::{RasterRows, metres_per_unit as metres_per_unit_of};
-use crate::draw::coordinates::{Notation, Tick, Ticks, ticks};
-use crate::draw::scale::{self, Bar};
+use crate::coordinates::{Notation, Tick, Ticks, ticks};
+use crate::scale::{self, Bar};
+use tokosen_core::base::Grid;
+use tokosen_core::raster::{RasterRows, metres_per_unit as metres_per_unit_of};
 
 /// Size of the text, pixels.
 const TEXT: f64 = 13.0;
@@ -127,8 +127,8 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crs::Crs;
-    use crate::dem::Dem;
+    use tokosen_core::crs::Crs;
+    use tokosen_core::raster::Dem;
 
     #[test]
     fn maps_have_a_scale_bar_and_coordinates_of_their_system() {

@@ -1,7 +1,7 @@
 //! What the figures of a comparison mean, in sentences.
 
 use super::table::{decimals_for, number};
-use crate::dem::compare::{Comparison, HeightFigures, Precision};
+use tokosen_core::dem::compare::{Comparison, HeightFigures, Precision};
 
 /// What heights come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

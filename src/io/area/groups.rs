@@ -12,10 +12,10 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 
 use super::{Member, REMEDY};
-use crate::base::error::{Error, Result};
-use crate::base::parallel;
-use crate::base::union_find::UnionFind;
-use crate::geometry::{BoxTree, Meeting, OrientedBox, Segment, meeting, place};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::parallel;
+use tokosen_core::base::union_find::UnionFind;
+use tokosen_core::geometry::{BoxTree, Meeting, OrientedBox, Segment, meeting, place};
 
 /// The edges of a polygon, with a tree of their boxes.
 struct Edges {

@@ -14,10 +14,10 @@ use glam::DVec2;
 
 use self::groups::groups;
 use super::table::{NO_GEOMETRY, Table};
-use crate::base::error::{Error, Result};
-use crate::clean::is_place;
-use crate::contour::Excluded;
-use crate::geometry::{Border, Segment};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::clean::is_place;
+use tokosen_core::contour::Excluded;
+use tokosen_core::geometry::{Border, Segment};
 
 const REMEDY: &str = "repair the polygon first, for instance in QGIS with Fix Geometries";
 /// Polygons that lie on each other more times than this, on average, are united in halves.

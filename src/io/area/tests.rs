@@ -1,7 +1,7 @@
 use std::path::Path;
 
-use crate::io::area::*;
-use crate::io::table::{Feature, Purpose, Request, Rings};
+use crate::area::*;
+use crate::table::{Feature, Purpose, Request, Rings};
 
 const PATH: &str = "frame.geojson";
 

@@ -8,7 +8,7 @@ use super::copies::Copies;
 use super::entity::{Entity, Polyline, read_polyline};
 use super::groups::GroupReader;
 use super::placement::Placement;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// The largest depth of blocks in blocks.
 const MAX_DEPTH: usize = 32;

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::entity::Entity;
 use super::placement::{Placement, VERTICAL};
-use crate::base::error::Result;
+use tokosen_core::base::error::Result;
 
 /// If x and y of a normal are smaller, the x axis of the plane is taken from the y axis of the world.
 const NEAR_VERTICAL: f64 = 1.0 / 64.0;
@@ -31,7 +31,8 @@ impl Copies {
         let matrix = plane * turn * DMat3::from_diagonal(scale);
         let shift = plane * insert.point(10)? - matrix * base;
         let across = plane * turn;
-        let count = |code| Ok::<u64, crate::base::error::Error>(u64::try_from(insert.flags(code)?).unwrap_or(1).max(1));
+        let count =
+            |code| Ok::<u64, tokosen_core::base::error::Error>(u64::try_from(insert.flags(code)?).unwrap_or(1).max(1));
         Ok(Self {
             first: Placement::new(matrix, shift),
             steps: [across * DVec3::X * insert.number(44)?, across * DVec3::Y * insert.number(45)?],

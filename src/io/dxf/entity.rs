@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::arc::Arc;
 use super::groups::{Group, GroupReader};
 use super::placement::{Placement, VERTICAL};
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// Groups with this code or a larger one belong to other programs.
 const FIRST_FOREIGN: i32 = 1000;

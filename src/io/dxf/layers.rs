@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::names::LayerFilter;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// Words in the names of layers that hold contours, in lower case.
 const CONTOUR_WORDS: &[&str] = &["contour", "isoline", "hoehenlinie", "höhenlinie", "curva", "courbe", "等高線"];

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
 
-use crate::io::shapefile::encoding;
+use crate::shapefile::encoding;
 
 /// The first version of the format whose text is always UTF-8 (AutoCAD 2007).
 const FIRST_IN_UTF_8: u32 = 1021;

@@ -10,9 +10,9 @@ use super::layers::Layers;
 use super::names::{LayerFilter, TextEncoding};
 use super::placement::Placement;
 use super::unit;
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
-use crate::io::text;
+use crate::table::{Feature, Purpose, Request, Spot, Table, Value};
+use crate::text;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 
 /// Arcs may add this many vertices to any drawing. For larger drawings the limit is one vertex per byte.
 const ROOM: usize = 1 << 20;
@@ -38,7 +38,7 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
 /// the order of all entities; those of blocks follow. Closed lines are areas if areas are requested.
 ///
 /// Arcs of polylines become chords that stay within a hundredth of a unit. References to blocks are followed.
-pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let bytes = text::read(path, request.memory, other_format)?;
     let mut groups = GroupReader::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
     let mut drawing = Drawing {

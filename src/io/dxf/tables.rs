@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::Result as Written;
 
 use super::output::GroupWriter;
-use crate::io::layer::Bounds;
+use crate::layer::Bounds;
 
 /// Handle of the block that the entities belong to.
 pub(super) const MODEL_SPACE: u64 = 0x20;

@@ -1,9 +1,9 @@
 //! The unit of a drawing: the variable `$INSUNITS` of its header.
 
-use crate::base::ElevationUnit;
-use crate::contour::UnitHint;
-use crate::crs::LengthUnit;
-use crate::io::table::Table;
+use crate::table::Table;
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::contour::UnitHint;
+use tokosen_core::crs::LengthUnit;
 
 /// The metre, by its code.
 const METRE: i64 = 6;

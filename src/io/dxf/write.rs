@@ -13,10 +13,10 @@ use glam::{DVec2, DVec3};
 use super::output::GroupWriter;
 use super::tables::{self, MODEL_SPACE};
 use super::unit;
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::layer::{Bounds, Cell, Geometry, LABELS_LAYER, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
-use crate::io::maker::MADE_BY;
+use crate::layer::{Bounds, Cell, Geometry, LABELS_LAYER, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+use crate::maker::MADE_BY;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Handles up to this one belong to the tables, larger ones to layers and entities.
 const FIRST_HANDLE: u64 = 0x100;
@@ -24,7 +24,7 @@ const FIRST_HANDLE: u64 = 0x100;
 const COMMENT: i32 = 999;
 
 /// Writes one file. Of the system of the coordinates, the header states the unit.
-pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<()> {
+pub(crate) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<()> {
     let rows = || layers.iter().flat_map(|layer| layer.rows.iter().map(move |row| (layer, row)));
     let names: Vec<String> = rows().map(|(layer, row)| layer_name(layer, row)).collect();
     let mut looks: BTreeMap<&str, bool> = BTreeMap::new();

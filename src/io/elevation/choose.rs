@@ -1,9 +1,9 @@
 //! Chooses the attribute or coordinate that holds the elevations.
 
 use super::{Item, SAME_ELEVATION, constant_z, value};
-use crate::base::error::{Error, Result, ZCoordinate};
-use crate::io::attributes::{is_depth_name, is_elevation_name, is_open_name};
-use crate::io::table::{Field, Value};
+use crate::attributes::{is_depth_name, is_elevation_name, is_open_name};
+use crate::table::{Field, Value};
+use tokosen_core::base::error::{Error, Result, ZCoordinate};
 
 /// The source of the elevations.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,9 +2,9 @@
 
 use super::choose::{Asked, ElevationSource, number};
 use super::{Item, constant_z};
-use crate::base::error::{Finding, FindingKind};
-use crate::io::attributes::is_depth_name;
-use crate::io::table::Field;
+use crate::attributes::is_depth_name;
+use crate::table::Field;
+use tokosen_core::base::error::{Finding, FindingKind};
 
 /// Whether the numbers of a source are depths, and what is to be said about it.
 pub(super) struct Sign {

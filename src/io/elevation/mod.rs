@@ -26,9 +26,9 @@ use super::attributes::{is_elevation_name, is_sigma_name, unit_in_name};
 use super::crs_finding::crs_finding;
 use super::depression;
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
-use crate::base::decimal::shortest_between;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::contour::{Contour, ContourMap, SpotHeights, StatedUnit};
+use tokosen_core::base::decimal::shortest_between;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::contour::{Contour, ContourMap, SpotHeights, StatedUnit};
 
 /// Attributes are often rounded to centimetres. Elevations that differ by no more than this are equal, metres.
 const SAME_ELEVATION: f64 = 0.01;

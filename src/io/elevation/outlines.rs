@@ -6,10 +6,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::{Item, item};
-use crate::base::bits::bits;
-use crate::base::error::{Error, Finding, FindingKind};
-use crate::io::attributes::upper_of;
-use crate::io::table::{Feature, Line, Table};
+use crate::attributes::upper_of;
+use crate::table::{Feature, Line, Table};
+use tokosen_core::base::bits::bits;
+use tokosen_core::base::error::{Error, Finding, FindingKind};
 
 /// Polygons are areas between levels if they share more than this part of their edges with those of another elevation.
 const SHARED: f64 = 0.1;
@@ -134,11 +134,11 @@ fn items_of<'a>(table: &'a Table, wanted: impl Fn(&Feature, &Line) -> bool) -> V
 
 /// The reason why polygons are areas between two levels, if fields say so.
 fn bands(table: &Table) -> Option<String> {
-    let holds_numbers = |field: &&crate::io::table::Field| {
+    let holds_numbers = |field: &&crate::table::Field| {
         field.example.as_ref().is_some_and(|example| example.trim_matches('"').trim().parse::<f64>().is_ok())
     };
     let fields = || table.fields.iter().filter(holds_numbers);
-    let pair = |low: &crate::io::table::Field| {
+    let pair = |low: &crate::table::Field| {
         let upper: Vec<String> = upper_of(&low.name).collect();
         let high = fields().find(|field| upper.contains(&field.name.trim().to_lowercase()))?;
         Some((low.name.clone(), high.name.clone()))

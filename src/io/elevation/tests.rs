@@ -1,7 +1,7 @@
 //! Tests the rules that find the elevation, with tables made by hand.
 
-use crate::io::elevation::*;
-use crate::io::table::{Feature, Purpose, Request};
+use crate::elevation::*;
+use crate::table::{Feature, Purpose, Request};
 
 /// A table with one straight line per row: the values of the fields, and its z.
 fn table(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]>)]) -> Table {

@@ -3,10 +3,10 @@
 //! A text is read where it is certain. Whether a comma stands before decimals or between thousands shows only in the whole
 //! column; if not even there, it is an error.
 
-use crate::base::error::{Error, Result};
-use crate::io::attributes::{is_depth_name, is_elevation_name, is_open_name};
-use crate::io::table::{Table, Value};
-use crate::io::unit_words::LengthWord;
+use crate::attributes::{is_depth_name, is_elevation_name, is_open_name};
+use crate::table::{Table, Value};
+use crate::unit_words::LengthWord;
+use tokosen_core::base::error::{Error, Result};
 
 /// Words before a number that say that it is an elevation, in lower case.
 const PREFIXES: &[&str] = &[

@@ -2,9 +2,9 @@
 
 use super::choose::{ElevationSource, number};
 use super::{Item, SAME_ELEVATION, constant_z};
-use crate::contour::UnitHint;
-use crate::io::attributes::{NamedUnit, unit_in_name};
-use crate::io::table::Field;
+use crate::attributes::{NamedUnit, unit_in_name};
+use crate::table::Field;
+use tokosen_core::contour::UnitHint;
 
 /// The hint about the elevations from `source`: the name of the field, otherwise the name of another field that holds
 /// the same values.

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 
 use super::choose::{ElevationSource, number, stands_for_no_data};
 use super::{Item, Outcome, constant_z, elevation, value};
-use crate::base::ElevationUnit;
-use crate::base::error::{Finding, FindingKind};
-use crate::contour::StatedUnit;
-use crate::io::attributes::{has_usgs_codes, most_metres, small_unit_in_name, unit_column};
-use crate::io::table::{Field, Value};
-use crate::io::unit_words::LengthWord;
+use crate::attributes::{has_usgs_codes, most_metres, small_unit_in_name, unit_column};
+use crate::table::{Field, Value};
+use crate::unit_words::LengthWord;
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::contour::StatedUnit;
 
 /// Lines or points, and the source of their elevations.
 pub(super) struct Group<'a> {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use ::flatgeobuf::{Geometry, GeometryType};
 use glam::DVec2;
 
-use crate::io::table::{Feature, NO_GEOMETRY, Spot, Table};
+use crate::table::{Feature, NO_GEOMETRY, Spot, Table};
 
 /// Adds a geometry to the feature, or returns what is wrong with it. `declared` is the type that the file declares for
 /// all its features.

@@ -2,7 +2,7 @@
 
 use ::flatgeobuf::{Column, ColumnType};
 
-use crate::io::table::{Feature, Table, Value};
+use crate::table::{Feature, Table, Value};
 
 /// The columns of a file or feature: each column's type and its index in the table's fields.
 pub(super) type Columns = Vec<(ColumnType, usize)>;

@@ -7,10 +7,10 @@ use std::path::Path;
 use ::flatgeobuf::{Header, size_prefixed_root_as_feature, size_prefixed_root_as_header};
 
 use super::{geometry, properties};
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
-use crate::io::table::{Feature, NO_GEOMETRY, Request, Table};
+use crate::ordinary::open_to_read;
+use crate::table::{Feature, NO_GEOMETRY, Request, Table};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// The first bytes of a file: the format's name and version, twice. The last byte may have any value.
 const MAGIC: [u8; 7] = *b"fgb\x03fgb";
@@ -18,7 +18,7 @@ const MAGIC: [u8; 7] = *b"fgb\x03fgb";
 const INDEX_ENTRY: u64 = 40;
 
 /// Reads a file. Features are numbered from 0 in the order of the file, as GIS programs show them.
-pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let mut reader = FileReader::open(path)?;
     let mut magic = [0; 8];
     if reader.remaining < 12 || reader.fill(&mut magic).is_err() || !magic.starts_with(&MAGIC) {

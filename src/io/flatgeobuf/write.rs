@@ -8,10 +8,10 @@ use ::flatgeobuf::geozero::error::Result as Written;
 use ::flatgeobuf::geozero::{ColumnValue, FeatureProcessor, GeomProcessor, PropertyProcessor};
 use ::flatgeobuf::{ColumnType, FgbCrs, FgbWriter, FgbWriterOptions, GeometryType};
 
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::layer::{Cell, Geometry, Kind, Layer, Outer, Row, Shape};
-use crate::io::maker::MADE_BY;
+use crate::layer::{Cell, Geometry, Kind, Layer, Outer, Row, Shape};
+use crate::maker::MADE_BY;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// The largest number of vertices per feature: a feature's table ends at 2 GB, and a vertex takes 24 bytes.
 const MAX_VERTICES: usize = 80_000_000;
@@ -19,7 +19,7 @@ const MAX_VERTICES: usize = 80_000_000;
 /// Writes one file: the header, the spatial index, then the features in the order of the index.
 ///
 /// Missing attribute values are omitted. The system is written as EPSG code and WKT if they are known.
-pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
+pub(crate) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
     if layer.rows.iter().any(|row| row.shape.vertex_count() > MAX_VERTICES) {
         let message = "a feature does not fit into a FlatGeobuf; write a GeoPackage (.gpkg) instead";
         return Err(Error::file(path, message));

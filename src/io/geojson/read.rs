@@ -7,21 +7,21 @@ use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess
 use serde_json::error::Category;
 
 use super::coordinates::{Coordinates, Part};
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
-use crate::io::text;
+use crate::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
+use crate::text;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Reads a feature collection, a feature or a bare geometry.
 ///
 /// Features are numbered from 0 in the order of the file, as GIS programs show them.
-pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let bytes = text::read(path, request.memory, |_| None)?;
     parse(path, &bytes, request)
 }
 
 /// Reads the text of a file, as [`read`].
-pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Table> {
+pub(crate) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Table> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if text.trim_ascii().is_empty() {
         return Err(Error::empty(path));

@@ -6,15 +6,15 @@ use std::path::Path;
 use serde::de::{DeserializeSeed, IgnoredAny};
 
 use super::read::{ObjectSeed, add_feature, is_feature, set_crs, wrong};
-use crate::base::error::{Error, Result};
-use crate::io::table::{Request, Table};
-use crate::io::text;
+use crate::table::{Request, Table};
+use crate::text;
+use tokosen_core::base::error::{Error, Result};
 
 /// The byte before each text of a sequence.
 const RECORD_SEPARATOR: u8 = 0x1e;
 
 /// Reads a sequence. Its texts are numbered from 0.
-pub(in crate::io) fn read_sequence(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read_sequence(path: &Path, request: &Request<'_>) -> Result<Table> {
     let bytes = text::read(path, request.memory, |_| None)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let mut table = Table::new(request);

@@ -6,17 +6,17 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::layer::{Cell, Layer, Outer, Shape};
-use crate::io::maker::MADE_BY;
+use crate::layer::{Cell, Layer, Outer, Shape};
+use crate::maker::MADE_BY;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Writes one file.
 ///
 /// The system is named in the `crs` member of the older GeoJSON version, which GIS programs read. For WGS 84 the
 /// standard requires no such member, so it is omitted. An unknown system is written as `null`; otherwise readers would
 /// take the coordinates for degrees.
-pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
+pub(crate) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
     let run = || -> std::io::Result<()> {
         let mut out = BufWriter::with_capacity(1 << 16, File::create(path)?);
         out.write_all(b"{\"type\":\"FeatureCollection\",\"name\":")?;

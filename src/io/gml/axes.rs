@@ -4,7 +4,7 @@
 //! axes: latitude first, and for many plane systems northing first. `EPSG:4326` and `…/gml/srs/epsg.xml#4326` are older;
 //! most programs write longitude or easting first with them. GDAL reads them so too. What is not certain is told.
 
-use crate::crs::{Crs, label};
+use tokosen_core::crs::{Crs, label};
 
 /// A system with the order of its coordinates.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::io::table::{Feature, Spot, Table};
+use crate::table::{Feature, Spot, Table};
 
 /// Elements that are a geometry, or begin one.
 const GEOMETRIES: [&str; 19] = [

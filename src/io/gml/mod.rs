@@ -14,11 +14,11 @@ use std::path::Path;
 use super::meter::{LimitedReader, MAX_DOCUMENT_LENGTH};
 use super::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 use super::xml::{Step, Xml};
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::base::memory;
-use crate::io::ordinary::open_to_read;
+use crate::ordinary::open_to_read;
 use axes::Axes;
 use geometry::{Geometry, is_geometry};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::base::memory;
 
 const BUFFER: usize = 1 << 17;
 /// Memory per byte of text: positions and attributes.

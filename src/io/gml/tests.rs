@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::io::{ReadOptions, read_contours, read_spot_heights, read_water};
+use crate::{ReadOptions, read_contours, read_spot_heights, read_water};
 
 fn file(folder: &Path, members: &str) -> PathBuf {
     let path = folder.join("in.gml");

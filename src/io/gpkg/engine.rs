@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use rusqlite::{Connection, ErrorCode, OpenFlags};
 
-use crate::base::error::Error;
+use tokosen_core::base::error::Error;
 
 /// How long to wait for another program that writes to the file.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -81,7 +81,7 @@ mod tests {
 
     /// A file as a program leaves it that was killed while it wrote: half of the changes are in it, and a journal beside it
     /// has what was there before.
-    pub(in crate::io::gpkg) fn left_by_a_killed_program(path: &Path) {
+    pub(in crate::gpkg) fn left_by_a_killed_program(path: &Path) {
         let working = path.with_extension("working");
         let db = Connection::open(&working).unwrap();
         db.execute_batch(

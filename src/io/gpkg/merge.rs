@@ -12,7 +12,7 @@ use super::engine::{in_words, open_to_write};
 use super::quoted::quoted;
 use super::target::index_of;
 use super::write::EXTENSIONS_TABLE;
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// Tables with a row per layer or per column of it, all by `table_name`. Some of them need not be there. Styles are kept:
 /// they hold for the new layer of that name too.
@@ -20,7 +20,7 @@ const REGISTERS: &[&str] =
     &["gpkg_data_columns", "gpkg_extensions", "gpkg_ogr_contents", "gpkg_geometry_columns", "gpkg_contents"];
 
 /// Moves the layers of the GeoPackage `added` into `target`. Layers of the same name are replaced.
-pub(in crate::io) fn merge(added: &Path, target: &Path) -> Result<()> {
+pub(crate) fn merge(added: &Path, target: &Path) -> Result<()> {
     let is_added = run(added, target).map_err(|e| {
         let message =
             "the layers cannot be added to the GeoPackage, which is as before; is it open in another program?";

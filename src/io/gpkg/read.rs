@@ -8,12 +8,12 @@ use rusqlite::{Connection, OptionalExtension, Row};
 use super::engine::{self, in_words};
 use super::quoted::quoted;
 use super::wkb;
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::base::memory;
-use crate::crs::Crs;
-use crate::io::attributes::{is_depth_name, is_elevation_name, is_open_name, upper_of};
-use crate::io::ordinary::open_to_read;
-use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
+use crate::attributes::{is_depth_name, is_elevation_name, is_open_name, upper_of};
+use crate::ordinary::open_to_read;
+use crate::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::base::memory;
+use tokosen_core::crs::Crs;
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
 /// three seconds. A view that joins itself can go on for ever.
@@ -48,7 +48,7 @@ enum LayerGeometry {
 
 /// Reads one layer: the named one, otherwise the only layer of lines (of points or polygons if the request asks for
 /// those). A single layer of points beside a single layer of lines is read too.
-pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     // SQLite does not report why it cannot open a file; the operating system does.
     open_to_read(path)?;
     let mut db =

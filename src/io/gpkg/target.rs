@@ -6,9 +6,9 @@ use std::path::Path;
 use rusqlite::{Connection, OptionalExtension};
 
 use super::engine::{in_words, is_about_access, open_to_read};
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::maker::MADE_BY;
+use crate::maker::MADE_BY;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// The message if a file cannot be read for another reason than a lock.
 const UNREADABLE: &str = "the GeoPackage cannot be read";
@@ -17,7 +17,7 @@ const UNREADABLE: &str = "the GeoPackage cannot be read";
 pub(super) const OWN_SRS_ID: i32 = 100_000;
 
 /// A coordinate reference system as a GeoPackage stores it.
-pub(in crate::io) struct SrsRow {
+pub(crate) struct SrsRow {
     pub(super) name: String,
     /// The EPSG code.
     pub(super) code: Option<i32>,
@@ -38,7 +38,7 @@ impl SrsRow {
 ///
 /// # Errors
 /// It is not known: another program holds the file, or the file cannot be opened.
-pub(in crate::io) fn is_there(path: &Path) -> Result<bool> {
+pub(crate) fn is_there(path: &Path) -> Result<bool> {
     if !path.metadata().is_ok_and(|meta| meta.is_file() && meta.len() > 0) {
         return Ok(false);
     }
@@ -51,7 +51,7 @@ pub(in crate::io) fn is_there(path: &Path) -> Result<bool> {
 /// [`Error::LayerExists`] if the file has a layer of that name that this program did not make, and `overwrite` is not
 /// set, or if the file is an input. [`Error::Exists`] if it is no GeoPackage and `overwrite` is not set. [`Error::File`]
 /// if it has a table of that name that is no layer, cannot be read, or is locked by another program.
-pub(in crate::io) fn check_layers(path: &Path, layers: &[&str], overwrite: bool, is_input: bool) -> Result<()> {
+pub(crate) fn check_layers(path: &Path, layers: &[&str], overwrite: bool, is_input: bool) -> Result<()> {
     if !path.metadata().is_ok_and(|meta| meta.is_file() && meta.len() > 0) {
         return Ok(());
     }
@@ -118,7 +118,7 @@ fn is_geopackage(db: &Connection) -> rusqlite::Result<bool> {
 }
 
 /// The id under which a file has, or can have, a coordinate reference system.
-pub(in crate::io) fn srs_id_in(path: &Path, row: &SrsRow) -> Result<i32> {
+pub(crate) fn srs_id_in(path: &Path, row: &SrsRow) -> Result<i32> {
     let find = || -> rusqlite::Result<i32> {
         let db = open_to_read(path)?;
         let known = match &row.code {

@@ -5,8 +5,8 @@
 
 use glam::DVec2;
 
-use crate::io::layer::{Bounds, Outer, Shape};
-use crate::io::table::{Feature, NO_GEOMETRY, Spot, Table};
+use crate::layer::{Bounds, Outer, Shape};
+use crate::table::{Feature, NO_GEOMETRY, Spot, Table};
 
 /// How deep collections may be nested.
 const MAX_DEPTH: usize = 16;
@@ -84,7 +84,7 @@ pub(super) fn type_name(wkb: &[u8]) -> Result<&'static str, String> {
 
 /// Adds the lines and points of a geometry to a feature, and its polygons if they are wanted. Anything else is counted
 /// in the table.
-pub(in crate::io) fn read(wkb: &[u8], feature: &mut Feature, table: &mut Table) -> Result<(), String> {
+pub(crate) fn read(wkb: &[u8], feature: &mut Feature, table: &mut Table) -> Result<(), String> {
     geometry(&mut Bytes { rest: wkb }, feature, table, 0)
 }
 
@@ -219,7 +219,7 @@ pub(super) fn put(blob: &mut Vec<u8>, shape: &Shape<'_>, srs_id: i32, envelope: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::table::{Purpose, Request};
+    use crate::table::{Purpose, Request};
 
     fn table() -> Table {
         Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Contours, memory: None })

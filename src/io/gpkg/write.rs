@@ -9,10 +9,10 @@ use rusqlite::{Connection, params, params_from_iter};
 use super::quoted::quoted;
 use super::target::{OWN_SRS_ID, SrsRow, srs_id_in};
 use super::wkb;
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};
-use crate::io::maker::MADE_BY;
+use crate::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};
+use crate::maker::MADE_BY;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// "GPKG" in ASCII.
 const APPLICATION_ID: i32 = 0x4750_4B47;
@@ -74,7 +74,7 @@ CREATE TABLE IF NOT EXISTS gpkg_extensions (
 ";
 
 /// Writes all layers into one new file. If they are to be added to the file `target`, the system has the same id as there.
-pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>, target: Option<&Path>) -> Result<()> {
+pub(crate) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>, target: Option<&Path>) -> Result<()> {
     let system = crs.map(SrsRow::new);
     let srs_id = match (&system, target) {
         (None, _) => UNKNOWN_SRS_ID,

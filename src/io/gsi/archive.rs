@@ -10,16 +10,16 @@ use std::path::{Path, PathBuf};
 
 use zip::ZipArchive;
 
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::io::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
-use crate::io::ordinary::open_to_read;
-use crate::io::xml::unreadable;
+use crate::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
+use crate::ordinary::open_to_read;
+use crate::xml::unreadable;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 
 /// The largest nesting depth of archives in archives, and of folders in folders.
 const MAX_DEPTH: usize = 3;
 
 /// The number of bytes that may be unpacked from an archive of this length.
-pub(in crate::io) fn budget(length: u64) -> u64 {
+pub(crate) fn budget(length: u64) -> u64 {
     UNPACKED_FREELY.saturating_add(length.saturating_mul(UNPACKED_RATIO))
 }
 
@@ -211,10 +211,7 @@ impl Walk<'_> {
 }
 
 /// Copies with a fresh limit for every block, because an archive is not one item of a document.
-pub(in crate::io) fn unlimited_copy(
-    source: &mut DocumentReader<'_>,
-    target: &mut impl std::io::Write,
-) -> std::io::Result<()> {
+pub(crate) fn unlimited_copy(source: &mut DocumentReader<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
     let mut buffer = vec![0; BUFFER];
     loop {
         source.next_item();
@@ -227,7 +224,7 @@ pub(in crate::io) fn unlimited_copy(
 }
 
 /// Whether a file name has the form of GSI's downloads: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
-pub(in crate::io) fn is_served(name: &str) -> bool {
+pub(crate) fn is_served(name: &str) -> bool {
     let path = Path::new(name);
     let upper = name.to_ascii_uppercase();
     let is_zip = has_extension(path, "zip");
@@ -236,7 +233,7 @@ pub(in crate::io) fn is_served(name: &str) -> bool {
 }
 
 /// Whether the path has this extension, in any letter case.
-pub(in crate::io) fn has_extension(path: &Path, extension: &str) -> bool {
+pub(crate) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().and_then(|e| e.to_str()).is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::crs::Crs;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::crs::Crs;
 
 const JGD2000: u32 = 4612;
 /// Also the code of JGD2024, which changed heights but not longitude and latitude.

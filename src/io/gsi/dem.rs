@@ -10,9 +10,9 @@ use super::datum::Datums;
 use super::mesh::{Mesh, cells_per_degree};
 use super::product::Product;
 use super::tuples::TupleList;
-use crate::base::error::{Error, Result};
-use crate::io::meter::DocumentReader;
-use crate::io::xml::{Step, Xml};
+use crate::meter::DocumentReader;
+use crate::xml::{Step, Xml};
+use tokosen_core::base::error::{Error, Result};
 
 /// The name of the root element of every document.
 const ROOT: &str = "Dataset";

@@ -18,11 +18,11 @@ use super::archive::{each_document, nothing};
 use super::datum::Datums;
 use super::dem::check_root;
 use super::tuples::number;
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::io::meter::DocumentReader;
-use crate::io::shapefile::grouped;
-use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
-use crate::io::xml::{Step, Xml};
+use crate::meter::DocumentReader;
+use crate::shapefile::grouped;
+use crate::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
+use crate::xml::{Step, Xml};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 
 /// The attributes that are used.
 const FIELDS: [&str; 6] = ["fid", "orgGILvl", "vis", "type", "name", "alti"];
@@ -58,7 +58,7 @@ impl Item {
 }
 
 /// Reads the features of a path that the request needs. They are numbered from 0 in the order of the documents.
-pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let (items, words): (&[Item], &str) = match request.purpose {
         Purpose::Contours => (&[Item::Contour, Item::SpotHeight], "contour (Cntr) or spot height (ElevPt)"),
         Purpose::Spots => (&[Item::SpotHeight], "spot height (ElevPt)"),

@@ -29,13 +29,13 @@ use std::path::Path;
 pub(super) use features::read;
 pub use product::Product;
 
-use crate::base::error::{Report, Result};
-use crate::dem::Dem;
-use crate::io::meter::DocumentReader;
-use crate::io::xml::unreadable;
-use crate::io::zipped;
+use crate::meter::DocumentReader;
+use crate::xml::unreadable;
+use crate::zipped;
 use archive::{each_document, has_extension, item_of, nothing};
 use datum::Datums;
+use tokosen_core::base::error::{Report, Result};
+use tokosen_core::raster::Dem;
 
 /// The content of a document is recognised from this many bytes.
 const BEGINNING: u64 = 4096;

@@ -11,9 +11,9 @@ use glam::DVec2;
 use super::dem::Tile;
 use super::mesh::{Mesh, in_cells};
 use super::product::Product;
-use crate::base::Grid;
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::dem::Dem;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::raster::Dem;
 
 /// The largest number of cells of a height map; they take 4 GB.
 const MAX_CELLS: i64 = 1 << 30;

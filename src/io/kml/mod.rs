@@ -16,11 +16,11 @@ use super::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
 use super::table::{Feature, NO_GEOMETRY, Request, Table};
 use super::xml::{Step, Xml};
 use super::zipped;
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::base::memory;
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
+use crate::ordinary::open_to_read;
 use shapes::Shapes;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::base::memory;
+use tokosen_core::crs::Crs;
 
 const BUFFER: usize = 1 << 17;
 /// Memory per byte of text: positions and attributes.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::io::table::{Feature, Spot, Table};
+use crate::table::{Feature, Spot, Table};
 
 /// How the third number of a position is meant.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::io::{ReadOptions, read_contours, read_spot_heights, read_water};
+use crate::{ReadOptions, read_contours, read_spot_heights, read_water};
 
 const START: &str = "<?xml version=\"1.0\"?><kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>";
 

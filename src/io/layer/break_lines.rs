@@ -1,7 +1,7 @@
 //! The layer of given break lines as they are used.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::creases::{Bend, Crease};
+use tokosen_core::creases::{Bend, Crease};
 
 const COLUMNS: &[Column] = &[
     Column { name: "feature", kind: Kind::Text(24) },

@@ -1,7 +1,7 @@
 //! The layer of catchments.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::dem::derive::CatchmentPart;
+use tokosen_core::dem::derive::CatchmentPart;
 
 /// The name of the layer.
 pub const CATCHMENTS_LAYER: &str = "catchments";

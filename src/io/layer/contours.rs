@@ -1,7 +1,7 @@
 //! The layer of contours.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape, rounded_error};
-use crate::contour::{ContourLayer, Source};
+use tokosen_core::contour::{ContourLayer, Source};
 
 const COLUMNS: &[Column] = &[
     Column { name: "elev", kind: Kind::Height },
@@ -23,7 +23,7 @@ const WITH_ERRORS: &[Column] = &[
     Column { name: "inferred", kind: Kind::Bool },
 ];
 
-/// The features of a layer of contours; see [`write_contours`](crate::io::write_contours) for their attributes.
+/// The features of a layer of contours; see [`write_contours`](crate::write_contours) for their attributes.
 pub fn of_contours(layer: &ContourLayer) -> Layer<'_> {
     let with_errors = layer.lines.iter().any(|line| line.expected.is_some());
     let mut rows = Vec::with_capacity(layer.lines.len());

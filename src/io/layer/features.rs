@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// The type of an attribute. Every value may also be missing ([`Cell::Null`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,13 +102,13 @@ pub struct Layer<'a> {
 }
 
 /// Least x, greatest x, least y, greatest y.
-pub(in crate::io) type Bounds = [f64; 4];
+pub(crate) type Bounds = [f64; 4];
 
 /// The bounds of an empty layer.
-pub(in crate::io) const NO_BOUNDS: Bounds = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+pub(crate) const NO_BOUNDS: Bounds = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
 
 /// The bounds of two objects together.
-pub(in crate::io) fn joined(a: Bounds, b: Bounds) -> Bounds {
+pub(crate) fn joined(a: Bounds, b: Bounds) -> Bounds {
     [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
 }
 
@@ -132,7 +132,7 @@ impl Shape<'_> {
     }
 
     /// All vertices. Points and vertices of an area have height 0; an area gives ring after ring.
-    pub(in crate::io) fn vertices(&self) -> impl Iterator<Item = DVec3> {
+    pub(crate) fn vertices(&self) -> impl Iterator<Item = DVec3> {
         let (level, z, line, rings): (&[DVec2], f64, &[DVec3], &[Vec<DVec2>]) = match self {
             Self::Point(place) => (place.as_slice(), 0.0, &[], &[]),
             Self::Contour(points, z) => (points, *z, &[], &[]),
@@ -144,7 +144,7 @@ impl Shape<'_> {
     }
 
     /// How many vertices there are.
-    pub(in crate::io) fn vertex_count(&self) -> usize {
+    pub(crate) fn vertex_count(&self) -> usize {
         match self {
             Self::Point(place) => place.iter().len(),
             Self::Contour(points, _) => points.len(),
@@ -165,7 +165,7 @@ impl Shape<'_> {
     }
 
     /// The bounding box.
-    pub(in crate::io) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         self.vertices().fold(NO_BOUNDS, |bounds, p| joined(bounds, [p.x, p.x, p.y, p.y]))
     }
 
@@ -224,7 +224,7 @@ impl Cell<'_> {
 }
 
 /// Refuses content that a format cannot store, or that formats would store differently.
-pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
+pub(crate) fn check(layer: &Layer<'_>) -> Result<()> {
     let name = layer.name;
     let mut names = BTreeSet::new();
     for column in layer.columns {
@@ -261,7 +261,7 @@ pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
 }
 
 /// Checks layer names, which become names of tables and files: at least one, and all different.
-pub(in crate::io) fn check_names(names: &[&str]) -> Result<()> {
+pub(crate) fn check_names(names: &[&str]) -> Result<()> {
     if names.is_empty() {
         return Err(Error::Parameter("there is no layer to write".to_owned()));
     }
@@ -279,7 +279,7 @@ pub(in crate::io) fn check_names(names: &[&str]) -> Result<()> {
 
 /// The file of a layer, in a format that holds one layer per file: the target's name, or `STEM_SUFFIX.EXT` if there are
 /// several layers.
-pub(in crate::io) fn file_name(target: &Path, layer: &str, layer_count: usize) -> OsString {
+pub(crate) fn file_name(target: &Path, layer: &str, layer_count: usize) -> OsString {
     if layer_count == 1 {
         return target.file_name().unwrap_or_default().to_owned();
     }

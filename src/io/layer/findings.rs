@@ -1,7 +1,7 @@
 //! The layer of findings.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::base::error::{Finding, Proposal};
+use tokosen_core::base::error::{Finding, Proposal};
 
 /// The name of the layer.
 pub const FINDINGS_LAYER: &str = "findings";

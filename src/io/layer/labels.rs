@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::crs::FromWorking;
-use crate::slice::Label;
+use tokosen_core::crs::FromWorking;
+use tokosen_core::slice::Label;
 
 /// The name of the layer. With several layers of contours, each has its own: `labels_5m`.
 pub const LABELS_LAYER: &str = "labels";

@@ -1,11 +1,11 @@
 //! The layer of sub-domains.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::subdomains::{Landform, Regions};
-use crate::tin::Tin;
+use tokosen_core::subdomains::{Landform, Regions};
+use tokosen_core::tin::Tin;
 
 /// Name of the layer.
-pub(in crate::io) const NAME: &str = "regions";
+pub(crate) const NAME: &str = "regions";
 
 /// The name of the layer.
 pub const REGIONS_LAYER: &str = "regions";
@@ -24,7 +24,7 @@ const COLUMNS: &[Column] = &[
     Column { name: "area", kind: Kind::Real },
 ];
 
-/// The landforms, one area per sub-domain. See [`write_landforms`](crate::io::write_landforms) for their attributes.
+/// The landforms, one area per sub-domain. See [`write_landforms`](crate::write_landforms) for their attributes.
 pub fn of_landforms(forms: &[Landform], tin: &Tin, regions: &Regions) -> Layer<'static> {
     let real = |number: f64| if number.is_finite() { Cell::Real(number) } else { Cell::Null };
     let row = |(id, form): (usize, &Landform)| {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::contour::ContourMap;
-use crate::io::format::VectorFormat;
+use crate::format::VectorFormat;
+use tokosen_core::contour::ContourMap;
 
 /// The names of the layers: contours and spot heights.
 pub const REPAIRED_LAYERS: [&str; 2] = ["contours", "spot_heights"];

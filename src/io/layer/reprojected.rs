@@ -3,9 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use super::features::{Cell, Column, Kind, Layer, Row, Shape, rounded_error};
-use crate::base::error::{Error, Result};
-use crate::base::{ElevationUnit, parallel};
-use crate::crs::FromWorking;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::{ElevationUnit, parallel};
+use tokosen_core::crs::FromWorking;
 
 /// A shape that owns its vertices.
 enum ReprojectedShape {
@@ -16,7 +16,7 @@ enum ReprojectedShape {
 }
 
 /// The reprojected shapes of layers.
-pub(in crate::io) struct ReprojectedShapes {
+pub(crate) struct ReprojectedShapes {
     shapes: Vec<Vec<ReprojectedShape>>,
     unit: ElevationUnit,
 }

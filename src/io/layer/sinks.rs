@@ -1,7 +1,7 @@
 //! The layer of pits that are left.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::drain::Pit;
+use tokosen_core::drain::Pit;
 
 const COLUMNS: &[Column] = &[
     Column { name: "depth", kind: Kind::Real },
@@ -15,7 +15,7 @@ const COLUMNS: &[Column] = &[
 ///
 /// The attributes are:
 /// - `depth`: from the bottom to the rim, metres; `area`: that of the water that would stay, square metres
-/// - `reason`: why it stays, as [`Reason::name`](crate::drain::Reason::name)
+/// - `reason`: why it stays, as [`Reason::name`](tokosen_core::drain::Reason::name)
 /// - `bottom_z` and `spill_z`: heights of the bottom and of the rim
 pub fn pit_points(pits: &[Pit]) -> Layer<'static> {
     let rows = pits.iter().map(|pit| Row {

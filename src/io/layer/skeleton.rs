@@ -3,10 +3,10 @@
 use glam::DVec2;
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::skeleton::{BreakKind, JunctionEdge, Skeleton};
-use crate::streams::Stream;
-use crate::subdivision::Subdivision;
-use crate::tin::TriangleKind;
+use tokosen_core::skeleton::{BreakKind, JunctionEdge, Skeleton};
+use tokosen_core::streams::Stream;
+use tokosen_core::subdivision::Subdivision;
+use tokosen_core::tin::TriangleKind;
 
 const LINE_COLUMNS: &[Column] = &[
     Column { name: "kind", kind: Kind::Text(8) },
@@ -81,7 +81,7 @@ pub fn skeleton_triangles<'a>(subdivision: &Subdivision, skeleton: &Skeleton) ->
     let rows = inside.map(|t| {
         let corner = |k: usize| tin.point(tin.triangles[t as usize][k]).truncate();
         let ring: Vec<DVec2> = [0, 1, 2, 0].map(corner).to_vec();
-        let level = |of: fn(&crate::subdomains::Band) -> f64| {
+        let level = |of: fn(&tokosen_core::subdomains::Band) -> f64| {
             let level = subdivision.regions.region(t).map(|r| of(&r.band)).filter(|level| level.is_finite());
             level.map_or(Cell::Null, Cell::Real)
         };

@@ -1,7 +1,7 @@
 //! The layer of steep places.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::dem::derive::Steeps;
+use tokosen_core::dem::derive::Steeps;
 
 /// Longest note, bytes: the limit of a shapefile's attribute table.
 const NOTE_LENGTH: u8 = 254;

@@ -1,7 +1,7 @@
 //! The layer of streams as they are used.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::streams::Stream;
+use tokosen_core::streams::Stream;
 
 const COLUMNS: &[Column] = &[
     Column { name: "feature", kind: Kind::Text(24) },

@@ -1,6 +1,6 @@
 //! The name by which a mesh file gives its coordinate reference system.
 
-use crate::mesh::Mesh;
+use tokosen_core::mesh::Mesh;
 
 /// The name of the mesh's coordinate reference system on one line.
 pub(super) fn crs_name(mesh: &Mesh) -> Option<String> {

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::crs_name::crs_name;
-use crate::mesh::Mesh;
+use tokosen_core::mesh::Mesh;
 
 /// Component types and buffer targets, with the numbers that glTF defines.
 const FLOAT: u32 = 5126;

@@ -23,8 +23,8 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::base::error::{Error, Result};
-use crate::mesh::Mesh;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::mesh::Mesh;
 
 /// The extensions that [`write_mesh`] accepts, for messages and help texts.
 pub const MESH_EXTENSIONS: [&str; 3] = ["ply", "obj", "glb"];

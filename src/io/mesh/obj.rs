@@ -3,7 +3,7 @@
 use std::io::{Result, Write};
 
 use super::crs_name::crs_name;
-use crate::mesh::Mesh;
+use tokosen_core::mesh::Mesh;
 
 /// Writes the comments, the vertices, the normals and the faces. Faces count vertices from one.
 pub(super) fn write(out: &mut impl Write, mesh: &Mesh) -> Result<()> {

@@ -3,7 +3,7 @@
 use std::io::{Result, Write};
 
 use super::crs_name::crs_name;
-use crate::mesh::Mesh;
+use tokosen_core::mesh::Mesh;
 
 /// Writes the header, the vertices and the triangles.
 pub(super) fn write(out: &mut impl Write, mesh: &Mesh) -> Result<()> {

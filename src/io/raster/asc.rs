@@ -14,14 +14,15 @@ use super::height_unit::height_unit;
 use super::heights::{Coding, Heights, room};
 use super::output::{create, write_text};
 use super::pam::{self, Band};
+use super::placement;
 use super::quantity::Values;
 use super::sidecar;
-use crate::base::Grid;
-use crate::base::error::{Error, Report, Result};
-use crate::crs::Crs;
-use crate::dem::Dem;
-use crate::io::ordinary::open_to_read;
-use crate::io::text;
+use crate::ordinary::open_to_read;
+use crate::text;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Report, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::Dem;
 
 /// The longest word that is accepted. Doubles written out in full have about 330 digits.
 const MAX_WORD_LENGTH: usize = 512;
@@ -204,7 +205,7 @@ impl Header {
         let half = |(number, is_center): (f64, bool), cell: f64| if is_center { number - cell / 2.0 } else { number };
         let origin = DVec2::new(half(self.west, cell.x), half(self.south, cell.y) + rows * cell.y);
         let size = (self.cols as usize, self.rows as usize);
-        sidecar::north_up(origin, DVec2::new(cell.x, 0.0), DVec2::new(0.0, -cell.y), size)
+        placement::north_up(origin, DVec2::new(cell.x, 0.0), DVec2::new(0.0, -cell.y), size)
             .map(|placed| placed.grid)
             .map_err(|message| Error::file(path, message))
     }

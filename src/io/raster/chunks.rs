@@ -7,7 +7,7 @@ use tiff::tags::Tag;
 
 use super::heights::check_size;
 use super::like::{self, Tiff};
-use crate::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Result};
 
 /// The strips or tiles of the first band.
 #[derive(Debug)]

@@ -38,7 +38,7 @@ mod tests {
         quantity: Quantity::Height,
         png: super::super::PngEncoding::Gray16,
         tiff: TiffLayout::CloudOptimized,
-        unit: crate::base::ElevationUnit::Metre,
+        unit: tokosen_core::base::ElevationUnit::Metre,
     };
 
     struct Read {

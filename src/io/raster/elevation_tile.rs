@@ -22,12 +22,12 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 use super::output::create;
 use super::pam;
+use super::placement::Placement;
 use super::png as grey;
 use super::quantity::{Quantity, Values};
-use super::sidecar::Placement;
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
-use crate::dem::Dem;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::raster::Dem;
 
 /// Cells along a tile's side.
 const SIDE: u32 = 256;
@@ -43,9 +43,6 @@ const NO_DATA: u32 = 1 << 23;
 
 /// Numbers that three bytes can hold.
 const NUMBERS: u32 = 1 << 24;
-
-/// The key of the text that names the encoding.
-pub(super) const KEY: &str = "ElevationEncoding";
 
 /// How heights become colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,7 +157,7 @@ pub(super) fn write(path: &Path, dem: &Dem, values: Values, code: ColourCode) ->
         }
     }
     create(path, |out| encode(out, dem, code).map_err(grey::filled))?;
-    pam::write_aux_placement(path, dem, &[(KEY, code.name())])?;
+    pam::write_aux_placement(path, dem, &[(pam::ENCODING, code.name())])?;
     pam::write_world(path, "pgw", dem)
 }
 
@@ -171,7 +168,7 @@ fn encode(out: impl Write, dem: &Dem, code: ColourCode) -> std::result::Result<(
     encoder.set_color(if is_transparent { ColorType::Rgba } else { ColorType::Rgb });
     encoder.set_depth(BitDepth::Eight);
     grey::describe(&mut encoder, dem, code.formula().into())?;
-    encoder.add_text_chunk(KEY.to_owned(), code.name().to_owned())?;
+    encoder.add_text_chunk(pam::ENCODING.to_owned(), code.name().to_owned())?;
     let none = if code == ColourCode::Gsi { [128, 0, 0] } else { code.colour(0.0).unwrap_or_default() };
     let mut writer = encoder.write_header()?;
     let mut stream = writer.stream_writer()?;

@@ -18,13 +18,14 @@ use super::height_unit::height_unit;
 use super::heights::{Coding, Heights, check_size};
 use super::output::{Filled, create, geo_transform};
 use super::pam::{self, Band};
+use super::placement;
 use super::quantity::{STANDARD_ERROR, Values};
 use super::sidecar;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::crs::Crs;
-use crate::dem::Dem;
-use crate::io::maker::PROGRAM;
-use crate::io::ordinary::open_to_read;
+use crate::maker::PROGRAM;
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::Dem;
 
 /// The channel of heights.
 const HEIGHTS: &str = "Y";
@@ -130,7 +131,7 @@ fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<
         _ => None,
     };
     let placement = match matrix.or(aux.transform) {
-        Some(numbers) => sidecar::by_transform(numbers, size).map_err(|message| Error::file(path, message))?,
+        Some(numbers) => placement::by_transform(numbers, size).map_err(|message| Error::file(path, message))?,
         None => {
             let message = "has no attribute gdal:geoTransform and no .aux.xml beside it, so its cells have no place on \
                            a map";

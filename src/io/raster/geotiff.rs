@@ -23,11 +23,11 @@ use super::output::{Filled, create};
 use super::overview::{Image, overviews};
 use super::quantity::{Quantity, STANDARD_ERROR, Values};
 use super::{TiffLayout, cog};
-use crate::base::Grid;
-use crate::base::error::Result;
-use crate::crs::Crs;
-use crate::dem::{Blocks, Dem, RasterRows};
-use crate::io::maker::PROGRAM;
+use crate::maker::PROGRAM;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::Result;
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::{Blocks, Dem, RasterRows};
 
 /// Side of a tile in cells. The format requires a multiple of 16.
 const TILE: usize = 256;
@@ -320,7 +320,7 @@ mod tests {
     use super::super::read_grid;
     use super::super::tests::sample;
     use super::*;
-    use crate::crs::Crs;
+    use tokosen_core::crs::Crs;
 
     fn read(path: &Path) -> (Vec<f32>, String) {
         let mut decoder = Decoder::new(BufReader::new(File::open(path).unwrap())).unwrap();

@@ -17,8 +17,8 @@ use super::like::{self, Tiff};
 use super::quantity::STANDARD_ERROR;
 use super::sidecar::{Aux, elements};
 use super::zstd::{Storage, ZSTD};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::dem::{Dem, RasterRows};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::raster::{Dem, RasterRows};
 
 /// GDAL's own tag: scale, offset and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);

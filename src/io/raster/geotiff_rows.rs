@@ -15,12 +15,12 @@ use tiff::decoder::{Decoder, DecodingResult};
 use super::chunks::Chunks;
 use super::heights::{Coding, Heights};
 use super::like::{self, Tiff};
-use super::sidecar::Placement;
+use super::placement::Placement;
 use super::zstd::{self, Storage};
-use crate::base::Grid;
-use crate::base::error::{Error, Finding, Result};
-use crate::crs::Crs;
-use crate::dem::{RasterRows, reserve};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Finding, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::{RasterRows, reserve};
 
 /// How the values of a band are stored.
 #[derive(Debug, Clone, Copy)]

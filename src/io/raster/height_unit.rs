@@ -1,8 +1,8 @@
 //! The unit of the heights in a file: the band's own, otherwise that of the coordinate reference system.
 
-use crate::base::ElevationUnit;
-use crate::base::error::{Finding, FindingKind};
-use crate::crs::Crs;
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::crs::Crs;
 
 /// The unit of stored heights.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::dem::uniform;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::raster::uniform;
 
 /// The largest number of cells of a height map; each takes four bytes of memory.
 const MAX_CELLS: u64 = 4_000_000_000;

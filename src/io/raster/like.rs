@@ -14,11 +14,12 @@ use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
 use super::geokeys::GeoKeys;
-use super::sidecar::{self, Aux, Placement};
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
+use super::placement::{self, Placement};
+use super::sidecar::{self, Aux};
+use crate::ordinary::open_to_read;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// An open TIFF and what its header says.
 pub(super) struct Tiff {
@@ -78,7 +79,9 @@ pub(super) fn open(path: &Path) -> Result<Tiff> {
     let aux = sidecar::read_aux_xml(path)?.unwrap_or_default();
     let placement = if header.is_empty() {
         match aux.transform {
-            Some(numbers) => Some(sidecar::by_transform(numbers, size).map_err(|message| Error::file(path, message))?),
+            Some(numbers) => {
+                Some(placement::by_transform(numbers, size).map_err(|message| Error::file(path, message))?)
+            }
             None => sidecar::read_world(path, &["tfw", "tifw", "tiffw", "wld"], size)?,
         }
     } else {
@@ -149,7 +152,7 @@ impl Header {
         if pixel_is_point {
             origin -= 0.5 * (across + down);
         }
-        sidecar::north_up(origin, across, down, self.size)
+        placement::north_up(origin, across, down, self.size)
     }
 }
 

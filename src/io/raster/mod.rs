@@ -30,6 +30,7 @@ mod output;
 mod overview;
 mod pam;
 mod picture;
+mod placement;
 mod png;
 mod png_read;
 mod quantity;
@@ -42,12 +43,12 @@ mod zstd;
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::base::error::{Error, Result};
-use crate::base::{ElevationUnit, Grid};
-use crate::dem::{Dem, RasterRows};
 use elevation_tile::ColourCode;
 use output::{check, check_grid};
 use quantity::Values;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::{ElevationUnit, Grid};
+use tokosen_core::raster::{Dem, RasterRows};
 
 pub use picture::{picture_bytes, write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
@@ -227,9 +228,9 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::base::Grid;
-    use crate::base::error::FindingKind;
-    use crate::crs::Crs;
+    use tokosen_core::base::Grid;
+    use tokosen_core::base::error::FindingKind;
+    use tokosen_core::crs::Crs;
 
     /// A small tilted surface with a hole.
     pub(super) fn sample(cols: usize, rows: usize) -> Dem {

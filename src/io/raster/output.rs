@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use crate::base::Grid;
-use crate::base::error::{Cause, Error, Result};
-use crate::dem::Dem;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Cause, Error, Result};
+use tokosen_core::raster::Dem;
 
 /// Refuses a height map that no format can hold.
 pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {

@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 
 use super::quantity::Quantity;
-use crate::base::parallel;
+use tokosen_core::base::parallel;
 
 /// A raster's values and its size.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,8 +7,11 @@ use std::path::Path;
 use quick_xml::escape::escape;
 
 use super::output::{beside, geo_transform, write_text};
-use crate::base::error::Result;
-use crate::dem::Dem;
+use tokosen_core::base::error::Result;
+use tokosen_core::raster::Dem;
+
+/// The key of the text that names the encoding of heights as colours.
+pub(super) const ENCODING: &str = "ElevationEncoding";
 
 /// How stored values become heights, and which stored value means no data.
 #[derive(Clone, Copy)]

@@ -8,9 +8,9 @@ use png::{BitDepth, ColorType, Encoder};
 use super::output::{check_grid, create};
 use super::pam;
 use super::png::filled;
-use crate::base::error::{Error, Result};
-use crate::dem::{Blocks, Dem, RasterRows, uniform};
-use crate::io::maker::PROGRAM;
+use crate::maker::PROGRAM;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::raster::{Blocks, Dem, RasterRows, uniform};
 
 /// Writes a picture as PNG. The name must end in `.png`.
 ///

@@ -17,9 +17,9 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 use super::output::{Filled, create, geo_transform};
 use super::pam::{self, Band};
 use super::quantity::Values;
-use crate::base::error::Result;
-use crate::dem::Dem;
-use crate::io::maker::PROGRAM;
+use crate::maker::PROGRAM;
+use tokosen_core::base::error::Result;
+use tokosen_core::raster::Dem;
 
 /// The finest step, metres. Finer steps would only reproduce the rounding of 32-bit heights.
 const FINEST_EXPONENT: i32 = -4;

@@ -15,11 +15,13 @@ use super::elevation_tile::{self, ColourCode};
 use super::exr;
 use super::height_unit::height_unit;
 use super::heights::{Coding, Heights, check_size};
-use super::sidecar::{self, Aux, Placement};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::crs::Crs;
-use crate::dem::Dem;
-use crate::io::ordinary::open_to_read;
+use super::pam;
+use super::placement::{self, Placement};
+use super::sidecar::{self, Aux};
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::Dem;
 
 /// The coordinate reference system of elevation tiles.
 const WEB_MERCATOR: u32 = 3857;
@@ -108,7 +110,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
             "Scale" => aux.scale = number(),
             "Offset" => aux.offset = number(),
             "NoData" => aux.nodata = number(),
-            elevation_tile::KEY => aux.encoding = Some(text.trim().to_owned()),
+            pam::ENCODING => aux.encoding = Some(text.trim().to_owned()),
             "Unit" => aux.unit = Some(text.trim().to_owned()),
             "GeoTransform" => aux.transform = sidecar::six_numbers(text),
             "EPSG" if aux.crs.is_none() => aux.crs = text.trim().parse().ok().map(Crs::from_epsg),
@@ -126,7 +128,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
 fn placed(path: &Path, (width, height): (u32, u32), own: &Aux, beside: &Aux) -> Result<Option<Placement>> {
     let size = (width as usize, height as usize);
     match own.transform.or(beside.transform) {
-        Some(numbers) => sidecar::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message)),
+        Some(numbers) => placement::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message)),
         None => sidecar::read_world(path, &["pgw", "pngw", "wld"], size),
     }
 }

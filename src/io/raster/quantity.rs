@@ -1,6 +1,6 @@
 //! The quantities that a raster can hold, and their names in files.
 
-use crate::base::ElevationUnit;
+use tokosen_core::base::ElevationUnit;
 
 /// What the values of a raster are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use super::geotiff_read::Opened;
 use super::{asc, exr, geotiff_read, like, png_read, xyz_read};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::base::{ElevationUnit, Grid};
-use crate::crs::Crs;
-use crate::dem::{Dem, RasterRows};
-use crate::io::crs_finding::crs_finding;
-use crate::io::gsi::{self, GsiDem, Product};
-use crate::io::ordinary::open_to_read;
+use crate::crs_finding::crs_finding;
+use crate::gsi::{self, GsiDem, Product};
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::base::{ElevationUnit, Grid};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::{Dem, RasterRows};
 
 /// The extensions that [`read_dem`] accepts, for messages and help texts.
 pub const READABLE_EXTENSIONS: [&str; 6] = ["tif", "tiff", "asc", "exr", "png", "xyz"];

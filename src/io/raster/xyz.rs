@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::output::create;
 use super::quantity::Values;
-use crate::base::error::Result;
-use crate::dem::Dem;
+use tokosen_core::base::error::Result;
+use tokosen_core::raster::Dem;
 
 /// Writes `dem` to `path`. All numbers have enough digits to give exactly the same number again.
 pub(super) fn write(path: &Path, dem: &Dem, _: Values) -> Result<()> {

@@ -11,10 +11,10 @@ use glam::DVec2;
 
 use super::heights::{Coding, Heights, room};
 use super::sidecar::read_prj;
-use crate::base::Grid;
-use crate::base::error::{Error, Report, Result};
-use crate::dem::Dem;
-use crate::io::text;
+use crate::text;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Report, Result};
+use tokosen_core::raster::Dem;
 
 /// The largest distance of a point from the centre of its cell, cells. Coordinates are rounded.
 const OFF_CENTRE: f64 = 0.1;

@@ -12,10 +12,10 @@ use std::path::Path;
 use encoding_rs::Encoding;
 
 use super::encoding::{self, Guess};
-use crate::base::error::{Error, Result};
-use crate::io::layer::{Cell, Column, Kind, Row};
-use crate::io::ordinary::open_to_read;
-use crate::io::table::Value;
+use crate::layer::{Cell, Column, Kind, Row};
+use crate::ordinary::open_to_read;
+use crate::table::Value;
+use tokosen_core::base::error::{Error, Result};
 
 /// A table that is read record by record.
 pub(super) struct Reader {

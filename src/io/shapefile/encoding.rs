@@ -5,10 +5,10 @@ use encoding_rs::{
     WINDOWS_1251, WINDOWS_1252, WINDOWS_1253, WINDOWS_1254, WINDOWS_1257,
 };
 
-use crate::io::attributes::is_elevation_name;
+use crate::attributes::is_elevation_name;
 
 /// The encoding that a `.cpg` file names, such as `UTF-8`, `1252`, `ANSI 932`, `ISO 88591`.
-pub(in crate::io) fn of_label(label: &str) -> Option<&'static Encoding> {
+pub(crate) fn of_label(label: &str) -> Option<&'static Encoding> {
     let label = label.trim().trim_start_matches('\u{feff}').to_ascii_lowercase();
     if let Some(encoding) = Encoding::for_label(label.as_bytes()) {
         return Some(encoding);
@@ -80,7 +80,7 @@ const CANDIDATES: [&Encoding; 15] = [
 
 /// An encoding, and whether that is sure.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::io) struct Guess {
+pub(crate) struct Guess {
     pub encoding: &'static Encoding,
     /// Whether the names are UTF-8 or one of them is known in this encoding.
     pub is_sure: bool,
@@ -90,7 +90,7 @@ pub(in crate::io) struct Guess {
 /// one that the user `named`. `said` is what the file seems to say. It is tried first, then UTF-8. If no name is known, it
 /// is left, otherwise UTF-8 if all names are valid UTF-8. Files of all countries often do not name their encoding, and some
 /// programs set the header's byte to their own.
-pub(in crate::io) fn guessed(names: &[Vec<u8>], named: Option<&str>, said: Option<&'static Encoding>) -> Guess {
+pub(crate) fn guessed(names: &[Vec<u8>], named: Option<&str>, said: Option<&'static Encoding>) -> Guess {
     let named = named.map(str::to_lowercase);
     let is_known = |encoding: &&'static Encoding| {
         // A name in ASCII is the same in all of them, and decides nothing.

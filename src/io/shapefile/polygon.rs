@@ -8,10 +8,10 @@ use geo::coordinate_position::{CoordPos, CoordinatePosition};
 use geo::{Area, BoundingRect, Coord, LineString, Polygon, Rect};
 use glam::DVec2;
 
-use crate::io::table::Rings;
+use crate::table::Rings;
 
 /// Groups the rings of one shape into polygons, in the order of their exterior rings.
-pub(in crate::io) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
+pub(crate) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
     if rings.len() == 1 {
         return vec![rings];
     }

@@ -9,16 +9,16 @@ use shapefile::{PolygonRing, Shape, ShapeReader};
 
 use super::companion::companion;
 use super::{dbf, polygon};
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
-use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
+use crate::ordinary::open_to_read;
+use crate::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Reads a shapefile. Records are numbered from 0, as GIS programs show them.
 ///
 /// Without the attribute table only the z coordinate can give the elevation. The index is used if it is present and
 /// valid. Otherwise the shapes are read in file order.
-pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let mut shapes = open(path)?;
     let mut table = Table::new(request);
     let dbf_path = companion(path, "dbf");

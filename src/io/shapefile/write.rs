@@ -8,9 +8,9 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use super::dbf;
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::layer::{Bounds, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+use crate::layer::{Bounds, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Shape type of areas without z.
 const POLYGON: i32 = 5;
@@ -25,7 +25,7 @@ const LENGTH_LIMIT: u64 = i32::MAX as u64;
 /// Writes `.shp`, `.shx`, `.dbf`, `.cpg`, and `.prj` if the system is known.
 ///
 /// Measures of vertices are optional in the format and are not written.
-pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
+pub(crate) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
     let length = HEADER_LENGTH + layer.rows.iter().map(record_length).sum::<u64>();
     if length.max(dbf::length(layer.columns, layer.rows.len())) > LENGTH_LIMIT {
         return Err(Error::file(

@@ -7,13 +7,15 @@ use pyo3::prelude::*;
 use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
-use tokosen::dem::Dem;
 use tokosen::dem::compare::difference;
-use tokosen::draw::report::{difference_map, page, sentences, table};
+use tokosen::draw::report::{difference_map, table};
 use tokosen::io::raster::Quantity;
 use tokosen::io::{StagedOutput, VectorSource, check_paths};
+use tokosen::raster::Dem;
 use tokosen::surface::Triangles;
-use tokosen::terrain::{MeasureOptions, Nodes, Pair, Side, comparison_json, measure, read_check_points};
+use tokosen::terrain::{
+    MeasureOptions, Nodes, Pair, Side, comparison_json, measure, page, read_check_points, sentences,
+};
 
 use crate::error::{exception, parameter};
 use crate::input::Recipe;
@@ -97,7 +99,7 @@ pub fn compare(
     let kind = given.kind(py)?;
     let sides = [SideRecipe::new(py, &a, &given, "A")?, SideRecipe::new(py, &b, &given, "B")?];
     let points: Option<VectorSource> = points.map(|source| source.get().vector(py, "points")).transpose()?;
-    let unit = given.unit.as_deref().map(|name| crate::options::unit(py, name)).transpose()?;
+    let unit = given.unit.as_deref().map(|name| crate::unit::unit(py, name)).transpose()?;
     work(py, progress, |progress| {
         let mut findings = Vec::new();
         let mut label = |letter: &str, about: Vec<Finding>| {

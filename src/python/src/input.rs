@@ -4,16 +4,17 @@ use pyo3::prelude::*;
 use tokosen::base::progress::Progress;
 use tokosen::contour::SoftSpot;
 use tokosen::crs::Crs;
-use tokosen::dem::Dem;
 use tokosen::dem::contour::ContourParams;
 use tokosen::io::VectorSource;
+use tokosen::raster::Dem;
 use tokosen::subdomains::Frame;
 use tokosen::terrain::{extent_on, read_area_on};
 use tokosen::{Input, InputOptions, Result};
 
 use crate::error::{exception, parameter};
-use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap, one_of, unit};
+use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap, one_of};
 use crate::source::{Given as GivenSource, Source, crs, sources};
+use crate::unit::unit;
 
 /// All that an input is made of, without Python's objects: it is read while others use Python.
 pub struct Recipe {

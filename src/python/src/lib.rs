@@ -6,7 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `source.rs`, `arrow_input.rs` | what is read: files, features and arrays in memory |
-//! | `options.rs` | the keyword arguments |
+//! | `options.rs`, `unit.rs` | the keyword arguments |
 //! | `input.rs` | the input of a terrain, from sources and options |
 //! | `terrain.rs`, `verbs.rs`, `comparison.rs` | the work |
 //! | `layer.rs`, `raster.rs`, `model.rs` | results |
@@ -22,6 +22,7 @@ mod options;
 mod raster;
 mod source;
 mod terrain;
+mod unit;
 mod verbs;
 mod work;
 

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
 use tokosen::contour::Interval;
+use tokosen::contour::Target;
 use tokosen::drain::Drain;
-use tokosen::slice::Target;
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{GridSpec, Options};
@@ -88,16 +88,6 @@ pub struct Cells {
     pub cell_degrees: Option<f64>,
     pub like: Option<HeightMap>,
     pub to_crs: Option<String>,
-}
-
-/// A unit of heights by its name.
-pub fn unit(py: Python<'_>, name: &str) -> PyResult<ElevationUnit> {
-    match name {
-        "m" => Ok(ElevationUnit::Metre),
-        "ft" => Ok(ElevationUnit::Foot),
-        "us-ft" => Ok(ElevationUnit::UsSurveyFoot),
-        other => Err(parameter(py, format!("the unit is {other:?}; it must be \"m\", \"ft\" or \"us-ft\""))),
-    }
 }
 
 impl Cells {

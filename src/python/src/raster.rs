@@ -7,18 +7,18 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::Finding;
-use tokosen::dem::Dem;
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
     write_raster, write_shade, write_with_errors,
 };
 use tokosen::io::{StagedOutput, check_paths};
+use tokosen::raster::Dem;
 
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
-use crate::options::unit;
 use crate::source::crs;
+use crate::unit::unit;
 use crate::work::work;
 
 /// Values on a grid.

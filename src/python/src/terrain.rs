@@ -12,8 +12,9 @@ use tokosen::io::layer::{
     break_lines, labels_layer, of_conflicts, of_contours, of_findings, of_labels, pit_points, stream_lines,
 };
 use tokosen::io::raster::Quantity;
+use tokosen::layers::LayerParams;
 use tokosen::mesh::MeshParams;
-use tokosen::slice::{LayerParams, label_layers};
+use tokosen::slice::label_layers;
 use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::HeightMap;
 use tokosen::{Input, Options};
@@ -22,9 +23,10 @@ use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
 use crate::model::Model;
-use crate::options::{Cells, Given, targets, unit};
+use crate::options::{Cells, Given, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
+use crate::unit::unit;
 use crate::work::work;
 
 /// The ground between contours, and the findings about them.

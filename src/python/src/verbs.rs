@@ -5,7 +5,6 @@ use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Severity;
 use tokosen::crs::{Crs, Reprojection};
-use tokosen::dem::GroundScale;
 use tokosen::dem::contour::{ContourParams, contours};
 use tokosen::dem::derive::{
     HeightsFrom, SteepParams, aspect, catchment_parts, catchments, check as check_dem, flow_accumulation,
@@ -14,6 +13,7 @@ use tokosen::dem::derive::{
 use tokosen::dem::shade::{Light, ShadeParams};
 use tokosen::io::layer::{of_catchments, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
 use tokosen::io::raster::Quantity;
+use tokosen::raster::GroundScale;
 use tokosen::skeleton::skeleton as skeleton_of;
 use tokosen::subdomains::landforms;
 use tokosen::surface::Triangles;
@@ -23,10 +23,11 @@ use tokosen::tuning::SkeletonTuning;
 use crate::error::parameter;
 use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
-use crate::options::{Given, targets, unit};
+use crate::options::{Given, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::terrain::{Warned, one, warned, with_labels};
+use crate::unit::unit;
 use crate::work::work;
 
 /// A check: the findings, their description as JSON, the repaired contours and spot heights, what to warn of.
@@ -235,7 +236,7 @@ pub fn derive(
         false => ShadeParams { lights: vec![Light { azimuth, altitude, weight: 1.0 }], ..ShadeParams::default() },
     };
     let light = ShadeParams { exaggeration: z_factor, ..light };
-    let raster = |quantity, make: &(dyn Fn() -> tokosen::Result<tokosen::dem::Dem> + Sync)| {
+    let raster = |quantity, make: &(dyn Fn() -> tokosen::Result<tokosen::raster::Dem> + Sync)| {
         let made = work(py, progress, |progress| {
             progress.start("deriving", 0);
             make()

@@ -6,8 +6,8 @@
 
 mod user_defined;
 
-use crate::base::ElevationUnit;
-use crate::crs::{Crs, CrsKind, epsg_name, vertical_unit};
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::crs::{Crs, CrsKind, epsg_name, vertical_unit};
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;

@@ -10,7 +10,7 @@ use super::{
     CITATION, GEOGRAPHIC_CITATION, GEOGRAPHIC_TYPE, GeoKeys, MODEL_GEOGRAPHIC, MODEL_PROJECTED, MODEL_TYPE,
     PROJECTED_CITATION, PROJECTED_TYPE, USER_DEFINED,
 };
-use crate::crs::{Crs, number_of_part, part_of_table};
+use tokosen_core::crs::{Crs, number_of_part, part_of_table};
 
 const DATUM: u16 = 2050;
 const PRIME_MERIDIAN: u16 = 2051;

@@ -129,7 +129,7 @@ fn a_text_from_keys_finds_its_code_and_can_be_transformed() {
     let named = keys(&entries, &[(3073, "JGD2011 / Japan Plane Rectangular CS IX")]).described();
     assert_eq!(named.expect("keys").expect("a system").epsg, Some(6677));
     let own = keys(&entries, &[]).described().expect("keys").expect("a system");
-    let back = crate::crs::Transform::between(&own, &Crs::from_epsg(6677)).expect("a transformation");
+    let back = tokosen_core::crs::Transform::between(&own, &Crs::from_epsg(6677)).expect("a transformation");
     let place = glam::DVec2::new(-12_345.0, 6_789.0);
     assert!(back.forward(place).is_some_and(|p| p.distance(place) < 1e-6));
 }

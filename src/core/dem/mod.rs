@@ -1,0 +1,9 @@
+//! Products of height maps: [`contour`] draws their contours, [`derive`](mod@derive) slopes, [`compare`] compares two of
+//! them, [`join`] fills one from another.
+
+pub mod compare;
+pub mod contour;
+pub mod derive;
+pub mod join;
+pub mod shade;
+pub mod smooth;

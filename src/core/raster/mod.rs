@@ -1,0 +1,30 @@
+//! Rasters: the [`Dem`] of heights on a [`Grid`](crate::base::Grid) of cells, row by row or whole, and the heights of a
+//! triangulation at the cells of a grid.
+
+mod blocks;
+pub(crate) mod gradient;
+mod ground;
+mod height_map;
+mod part;
+mod rasterise;
+mod rows;
+
+#[doc(hidden)]
+pub use blocks::Block;
+#[doc(hidden)]
+pub use blocks::Blocks;
+#[doc(hidden)]
+pub use blocks::each_pair;
+#[doc(hidden)]
+pub use ground::other_unit;
+pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
+pub use height_map::Dem;
+#[doc(hidden)]
+pub use part::mask;
+pub(crate) use rasterise::{height, heights_at};
+pub use rasterise::{locate, rasterise};
+#[doc(hidden)]
+pub use rows::reserve;
+#[doc(hidden)]
+pub use rows::uniform;
+pub use rows::{RasterRows, WithCrs};

@@ -1,0 +1,94 @@
+//! Streams as the input gives them, and as they are used.
+
+use geo::Polygon;
+use glam::{DVec2, DVec3};
+
+use crate::base::bits::bits;
+use crate::base::{FeatureId, KnownLine, Sure};
+use crate::subdomains::Band;
+
+/// A stream as a map draws it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamLine {
+    /// Its course, map units, in any direction.
+    pub points: Vec<DVec2>,
+    /// The feature that it came from, for messages.
+    pub feature: FeatureId,
+}
+
+/// A river as wide as a map shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RiverArea {
+    /// Its outline, map units; holes are islands.
+    pub polygon: Polygon<f64>,
+    /// The feature that it came from, for messages.
+    pub feature: FeatureId,
+}
+
+/// The streams of a map.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Streams {
+    /// The lines.
+    pub lines: Vec<StreamLine>,
+    /// River areas. They are level across and fall along, as the streams through them.
+    pub areas: Vec<RiverArea>,
+    /// How far a stream is moved to agree with the contours, map units. If `None`: a share of the mean spacing of the
+    /// contours ([`StreamTuning::tolerance`](crate::tuning::StreamTuning::tolerance)).
+    pub tolerance: Option<f64>,
+}
+
+/// A piece of a stream as the surface uses it, from one confluence or end to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stream {
+    /// Vertices (x, y in map units, height in metres), downstream. Heights never rise.
+    pub points: Vec<DVec3>,
+    /// How sure the height of each vertex is.
+    pub(crate) sure: Vec<Sure>,
+    /// The band of the sub-domain around each vertex.
+    pub(crate) bands: Vec<Band>,
+    /// The feature that it came from.
+    pub feature: FeatureId,
+    /// Strahler order: 1 at a source; where two of one order meet, the next one.
+    pub order: u32,
+    /// The largest distance by which it was moved, map units.
+    pub shift: f64,
+    /// Whether it was drawn upstream.
+    pub turned: bool,
+}
+
+impl Stream {
+    /// A piece of the stream with these points, to be written.
+    pub fn piece(&self, points: Vec<DVec3>) -> Self {
+        Self { points, sure: Vec::new(), bands: Vec::new(), ..*self }
+    }
+
+    /// Where it begins and ends; `None` without points. Where streams meet, their ends are equal.
+    pub(super) fn ends(&self) -> Option<[[u64; 2]; 2]> {
+        let ends = self.points.first().zip(self.points.last());
+        ends.map(|(first, last)| [first, last].map(|p| bits(p.truncate())))
+    }
+
+    /// Its course with heights.
+    pub(crate) fn known(&self) -> KnownLine<'_> {
+        KnownLine { points: &self.points, is_stream: true, sure: &self.sure }
+    }
+
+    /// Length on the map, map units.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()
+    }
+
+    /// A stream between contours, for tests.
+    #[cfg(test)]
+    pub(crate) fn between(points: Vec<DVec3>, band: Band) -> Self {
+        Self {
+            sure: vec![Sure::Between; points.len()],
+            bands: vec![band; points.len()],
+            points,
+            feature: 0.into(),
+            order: 1,
+            shift: 0.0,
+            turned: false,
+        }
+    }
+}

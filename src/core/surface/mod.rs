@@ -1,0 +1,43 @@
+//! The surface over a map: a triangulation with heights everywhere inside the frame.
+//!
+//! * [`SurfaceKind::Linear`] is the constrained Delaunay triangulation of the contours. It has flat triangles on
+//!   ridges, in valleys and on tops.
+//! * [`SurfaceKind::Skeleton`] is the surface of the paper: ridge and canyon lines go into the triangulation. A
+//!   triangle with three corners on one level is left only where the ground is level.
+//! * [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`](crate::spline)).
+
+mod along_streams;
+mod between_nodes;
+mod build;
+mod built;
+mod coarse;
+mod conditions;
+mod drained;
+mod errors;
+mod given_lines;
+mod groups;
+mod known_lines;
+mod nodes;
+mod params;
+mod parted;
+mod sample;
+mod skeleton_lines;
+mod smooth_height;
+mod trial_builder;
+
+#[doc(hidden)]
+pub use along_streams::follow_streams;
+pub use build::build;
+pub use built::Surface;
+#[doc(hidden)]
+pub use drained::InOther;
+#[doc(hidden)]
+pub use drained::drain_heights;
+#[doc(hidden)]
+pub use drained::pits_of;
+pub use drained::working_pits;
+pub use errors::{standard_errors, standard_errors_on};
+#[doc(hidden)]
+pub use given_lines::settle_lines;
+pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+pub use sample::{heights, heights_on};

@@ -1,0 +1,446 @@
+//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, DXF and shapefile. The file's extension selects the
+//! format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
+//! only.
+//!
+//! Reading: file → table of features → elevations. Each format has a file that fills the table. One place decides which
+//! attribute holds the elevation. Writing: lines → layers of features → file. Every format preserves the vertices bit
+//! for bit.
+//!
+//! Outputs are written through [`StagedOutput`]: a file appears complete or not at all.
+
+mod abandoned;
+mod area;
+mod attributes;
+mod coast;
+mod companions;
+mod content;
+mod crs_finding;
+mod depression;
+mod dxf;
+mod elevation;
+mod elevation_names;
+mod flatgeobuf;
+mod format;
+mod geojson;
+mod gml;
+mod gpkg;
+pub mod gsi;
+mod in_memory;
+mod kml;
+pub mod layer;
+mod lines;
+mod maker;
+pub mod mesh;
+mod meter;
+mod ordinary;
+mod paths;
+pub mod raster;
+mod shapefile;
+mod sinks;
+mod staged;
+mod table;
+mod text;
+mod text_points;
+mod unit_words;
+mod vector_source;
+mod water;
+mod wkt;
+mod xml;
+mod zipped;
+
+use std::path::{Path, PathBuf};
+
+use geo::MultiPolygon;
+
+use format::InputFormat;
+use layer::{Layer, ReprojectedShapes};
+use table::{Purpose, Request, Table};
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Error, Report, Result};
+use tokosen_core::contour::{CliffLine, CoastLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights, StatedUnit};
+use tokosen_core::creases::CreaseLine;
+use tokosen_core::crs::{Crs, FromWorking};
+use tokosen_core::drain::Sink;
+use tokosen_core::subdomains::{Landform, Regions};
+use tokosen_core::tin::Tin;
+
+pub use content::{Content, content};
+pub use format::VectorFormat;
+pub use in_memory::{Attribute, Features, InMemory};
+pub use lines::Waterways;
+pub use maker::SAVED_RUN;
+pub use ordinary::{open_to_read, read_small};
+pub use paths::{PlannedOutput, check_paths, files_of_input};
+pub use staged::{StagedOutput, discard_unfinished};
+pub use vector_source::VectorSource;
+
+/// How to read a file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The name of the attribute that holds the elevation, in any letter case. `z` also selects the z coordinate if no
+    /// attribute has that name. If `None`, the reader looks for known attribute names and then for the z coordinate.
+    pub elevation_field: Option<String>,
+    /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas. For a GML:
+    /// the type of the features. For zipped shapefiles: the name of one.
+    pub layer: Option<String>,
+    /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
+    pub memory: Option<u64>,
+    /// Features in memory, which are read instead of the file. The path is then their name in messages.
+    pub features: Option<InMemory>,
+    /// The unit that the caller will take the elevations to be in. Then units that the file states beside them do not count.
+    pub unit: Option<ElevationUnit>,
+    /// Whether the named attribute, or else attributes with names of depths, hold depths. They are read as negative
+    /// elevations.
+    pub depths: bool,
+}
+
+/// Reads contour lines, and the spot heights that come with them.
+///
+/// A line of several parts becomes one contour per part, and so does each ring of a polygon that is at one elevation. Polygons
+/// between two levels are no contours. Features that cannot be used are left out, each with a finding. A unit that an
+/// attribute states for the elevations is in the map ([`ContourMap::stated_unit`]); where units differ, elevations are in
+/// metres. A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]). Their contours are cut at the
+/// edges of grid squares; the ends meet there, and [`clean`](fn@tokosen_core::clean::clean) joins them. From a DXF, polylines,
+/// lines and points are read, also in blocks. Arcs in polylines become chords that stay within 0.01 units.
+///
+/// # Errors
+/// The file cannot be read, has no lines, or does not make clear where the elevations are. For a DXF also: all lines of
+/// some layers lie at 0 and the caller names no layer.
+pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<ContourMap>> {
+    let table = read_table(path, options, Purpose::Contours)?;
+    elevation::contour_map(path, table, options)
+}
+
+/// Reads points of known height, from a vector file or from text with columns (`.csv`, `.tsv`, `.txt`, `.xyz`). Text
+/// names its columns in the first line: `x,y,z`, `lon,lat,elev` and the like; or it has three columns without names.
+///
+/// # Errors
+/// The file cannot be read, has no points, or does not make clear where the heights are.
+pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<SpotHeights>> {
+    let table = read_table(path, options, Purpose::Spots)?;
+    elevation::spot_heights(path, table, options)
+}
+
+/// Reads the area inside the polygons of a boundary file. Also gives the coordinate reference system if the file names
+/// one.
+///
+/// The polygons of all features together are one area. Polygons that overlap or share an edge are united; this may move
+/// their vertices by a billionth of their size. All other polygons keep their vertices bit for bit. Lines and points in
+/// the file are ignored. In a DXF each closed polyline is a polygon, and none is a hole in another.
+///
+/// # Errors
+/// One of these is the case:
+/// - The file cannot be read or has no polygon.
+/// - A ring has fewer than four points (the last repeats the first), coordinates that are not finite, or no area.
+/// - A ring crosses itself or another ring of its polygon.
+pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64>, Option<Crs>)> {
+    let mut table = read_table(path, options, Purpose::Area)?;
+    let crs = table.crs.take();
+    Ok((area::area(path, table)?, crs))
+}
+
+/// Reads the polygons of parts of the map that are left out. Also gives the coordinate reference system if the file names
+/// one. Polygons that overlap or share an edge are united and get the number of the first feature.
+///
+/// # Errors
+/// As [`read_area`].
+pub fn read_excluded(path: &Path, options: &ReadOptions) -> Result<(Vec<Excluded>, Option<Crs>)> {
+    let mut table = read_table(path, options, Purpose::Area)?;
+    let crs = table.crs.take();
+    Ok((area::excluded(path, table)?, crs))
+}
+
+/// Reads water bodies: polygons, each with its height if the file gives one. Also gives the coordinate reference system
+/// if the file names one.
+///
+/// The height is an attribute with a known elevation name, otherwise the z coordinate if all vertices of the feature
+/// share it. Features with neither have no height. Files of 基盤地図情報 give their water areas (`WA`) without the rivers,
+/// and the pieces of one lake are united. If they have no water areas, they give the closed shores of lakes (`WL`).
+/// What is left out is a finding.
+///
+/// # Errors
+/// As [`read_area`], and if the file does not make clear where the heights are.
+pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake>, Option<Crs>)>> {
+    let Report { value: Stated { value, crs, .. }, findings } = read_water_stated(path, options)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// What a file holds, with its coordinate reference system and the unit that it states for heights.
+#[derive(Debug, Clone)]
+pub struct Stated<T> {
+    /// What the file holds.
+    pub value: T,
+    /// Its coordinate reference system, if the file names one.
+    pub crs: Option<Crs>,
+    /// The unit that an attribute states for heights.
+    pub unit: Option<StatedUnit>,
+}
+
+/// [`read_water`] with the unit that the file states for the heights.
+///
+/// # Errors
+/// As [`read_water`].
+pub fn read_water_stated(path: &Path, options: &ReadOptions) -> Result<Report<Stated<Vec<Lake>>>> {
+    let mut table = read_table(path, options, Purpose::Water)?;
+    let crs = table.crs.take();
+    let mut findings = std::mem::take(&mut table.findings);
+    let (value, unit) = water::lakes(path, table, options)?.collect(&mut findings);
+    Ok(Report { value: Stated { value, crs, unit }, findings })
+}
+
+/// Reads rivers and streams: lines, and polygons of river areas. Also gives the coordinate reference system if the file
+/// names one. Of a GeoPackage with lines and polygons, the layer of lines is read, if no layer is named.
+///
+/// Elevations do not count. A line of several parts becomes one stream per part. What cannot be a stream is a finding.
+///
+/// # Errors
+/// The file cannot be read, or has neither lines nor polygons.
+pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Waterways, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Streams)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = lines::waterways(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads cliffs. Also gives the coordinate reference system if the file names one.
+///
+/// Elevations do not count. A line of several parts becomes one cliff per part. What cannot be a cliff is a finding.
+///
+/// # Errors
+/// The file cannot be read or has no lines.
+pub fn read_cliffs(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CliffLine>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Lines)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = lines::cliffs(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads break lines. Also gives the coordinate reference system if the file names one.
+///
+/// The heights of a line are its z coordinates. If z is 0 everywhere in the file, the lines have none. An attribute `kind`
+/// says how the ground bends: `ridge`, `valley`, or `edge` for either way. A line of several parts becomes one break line
+/// per part. What cannot be a break line is a finding.
+///
+/// # Errors
+/// The file cannot be read or has no lines.
+pub fn read_break_lines(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CreaseLine>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::BreakLines)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = lines::break_lines(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads the lines of a coast, and the rings of polygons of land or sea. Also gives the coordinate reference system if the
+/// file names one. The level is an attribute with a known elevation name, otherwise the z coordinate if all vertices of the
+/// feature share it and it is not 0. What cannot be a coast is a finding.
+///
+/// # Errors
+/// The file cannot be read, has neither lines nor polygons, or does not make clear where the levels are.
+pub fn read_coast(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CoastLine>, Option<Crs>)>> {
+    let Report { value: Stated { value, crs, .. }, findings } = read_coast_stated(path, options)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// [`read_coast`] with the unit that the file states for the levels.
+///
+/// # Errors
+/// As [`read_coast`].
+pub fn read_coast_stated(path: &Path, options: &ReadOptions) -> Result<Report<Stated<Vec<CoastLine>>>> {
+    let mut table = read_table(path, options, Purpose::Coast)?;
+    let crs = table.crs.take();
+    let Report { value: (value, unit), findings } = coast::coast(path, table, options)?;
+    Ok(Report { value: Stated { value, crs, unit }, findings })
+}
+
+/// Reads places where water may stay: points and polygons. Also gives the coordinate reference system if the file names
+/// one. Polygons that overlap or share an edge are united and get the number of the first feature. What cannot be a sink is
+/// a finding.
+///
+/// # Errors
+/// As [`read_area`], and if the file has neither points nor polygons.
+pub fn read_sinks(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Sink>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Sinks)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = sinks::sinks(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
+    let request = Request {
+        elevation_field: options.elevation_field.as_deref(),
+        layer: options.layer.as_deref(),
+        purpose,
+        memory: options.memory,
+    };
+    if let Some(features) = &options.features {
+        return features.read(path, &request);
+    }
+    if gsi::is_source(path) {
+        return gsi::read(path, &request);
+    }
+    if request.purpose == Purpose::Spots && text_points::is_source(path) {
+        return text_points::read(path, &request);
+    }
+    let format = InputFormat::from_path(path)?;
+    companions::check_input(path)?;
+    let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
+    if meta.len() == 0 {
+        return Err(Error::empty(path));
+    }
+    let has_layers = matches!(
+        format,
+        InputFormat::Written(VectorFormat::GeoPackage | VectorFormat::FlatGeobuf | VectorFormat::Dxf)
+            | InputFormat::Gml
+            | InputFormat::ZippedShapefile
+    );
+    if !has_layers {
+        let stem = path.file_stem().and_then(|s| s.to_str());
+        if let Some(layer) = request.layer.filter(|&layer| Some(layer) != stem) {
+            return Err(Error::file(path, format!("there is no layer {layer:?}: files of this format have no layers")));
+        }
+    }
+    match format {
+        InputFormat::Written(VectorFormat::GeoJson) => geojson::read(path, &request),
+        InputFormat::Written(VectorFormat::GeoPackage) => gpkg::read(path, &request),
+        InputFormat::Written(VectorFormat::FlatGeobuf) => flatgeobuf::read(path, &request),
+        InputFormat::Written(VectorFormat::Dxf) => dxf::read(path, &request),
+        InputFormat::Written(VectorFormat::Shapefile) => shapefile::read(path, &request),
+        InputFormat::GeoJsonSequence => geojson::read_sequence(path, &request),
+        InputFormat::Kml => kml::read(path, &request),
+        InputFormat::Gml => gml::read(path, &request),
+        InputFormat::Text => text_points::read(path, &request),
+        InputFormat::ZippedShapefile => zipped::read_shapefile(path, &request),
+    }
+}
+
+/// Writes contour lines, in the format of the target's extension.
+///
+/// Lines are three-dimensional, z is the elevation. The attributes are `elev`, `source` (`input` or `interpolated`),
+/// `is_index`, `depression` and `closed`. A DXF has no attributes except the layer's name, such as
+/// `CONTOUR-INPUT-INDEX` or `CONTOUR-INTERPOLATED`, and does not name the coordinate reference system.
+///
+/// A GeoPackage holds all layers in one file. The other formats hold one layer per file; in a DXF, labels are texts in the
+/// file of their contours. A single layer gets exactly
+/// the target's name. Several layers are written beside each other as `STEM_SUFFIX.EXT`; the suffix is the layer's name
+/// without a leading `contours_`. The returned paths are the final ones.
+///
+/// # Errors
+/// One of these is the case:
+/// - The extension is not known.
+/// - A layer name is not valid, or two layers share one.
+/// - A line has fewer than two points or a coordinate that is NaN.
+/// - The data exceed a limit of the format.
+/// - The disk is full.
+pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
+    let layers: Vec<Layer<'_>> = layers.iter().map(layer::of_contours).collect();
+    write_layers(out, &layers, crs)
+}
+
+/// Writes the landforms of sub-domains as areas, in one layer `regions`, in the format of the target's extension.
+///
+/// The attributes are `id`, `class`, `is_open`, `band_lo`, `band_hi`, `n_ib`, `mixture`, `parent`, `depth` and `area`.
+/// The vertices are those of the triangulation, bit for bit.
+///
+/// # Errors
+/// As [`write_contours`].
+pub fn write_landforms(
+    out: &StagedOutput,
+    forms: &[Landform],
+    tin: &Tin,
+    regions: &Regions,
+    crs: Option<&Crs>,
+) -> Result<Vec<PathBuf>> {
+    write_layers(out, &[layer::of_landforms(forms, tin, regions)], crs)
+}
+
+/// Writes layers of features, in the format of the target's extension.
+///
+/// Lines are three-dimensional, areas are not. Layers of one GeoPackage may differ in geometry and attributes. The
+/// files are named as in [`write_contours`].
+///
+/// # Errors
+/// As [`write_contours`], and if a feature breaks a rule of its type (see the types in [`layer`]).
+pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
+    let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
+    let files = contour_files(out.target(), &names)?;
+    layers.iter().try_for_each(layer::check)?;
+    let format = VectorFormat::from_path(out.target())?;
+    let is_plain = matches!(format, VectorFormat::FlatGeobuf | VectorFormat::Shapefile);
+    if is_plain && layers.iter().any(|layer| layer.geometry == layer::Geometry::Points) {
+        return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+    }
+    if format == VectorFormat::GeoPackage {
+        let target = if gpkg::is_there(out.target())? { Some(out.target()) } else { None };
+        gpkg::write(&out.path(), layers, crs, target).map_err(|e| out.with_final_name(e))?;
+        return Ok(files);
+    }
+    if format == VectorFormat::Dxf {
+        let is_bare = |layer: &Layer<'_>| {
+            layer.geometry == layer::Geometry::Points && layer.columns.iter().all(|column| column.name != "text")
+        };
+        if layers.iter().any(is_bare) {
+            return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+        }
+        // Points are texts beside the lines of the layer before.
+        for (group, file) in layers.chunk_by(|_, next| next.geometry == layer::Geometry::Points).zip(&files) {
+            let path = out.sibling(file.file_name().unwrap_or_default());
+            dxf::write(&path, group, crs).map_err(|e| out.with_final_name(e))?;
+        }
+        return Ok(files);
+    }
+    for (layer, file) in layers.iter().zip(&files) {
+        let path = out.sibling(file.file_name().unwrap_or_default());
+        let written = match format {
+            VectorFormat::GeoJson => geojson::write(&path, layer, crs),
+            VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs, None),
+            VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
+            VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer), crs),
+            VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
+        };
+        written.map_err(|e| out.with_final_name(e))?;
+    }
+    Ok(files)
+}
+
+/// Writes layers of features in the coordinates and the unit of heights that `back` converts to. Vertices of the input
+/// get their input coordinates back, bit for bit. Of the attributes, only heights and their errors change: lengths and
+/// areas stay those of the working plane.
+///
+/// # Errors
+/// As [`write_layers`], and if a vertex has no coordinates in that system.
+pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWorking) -> Result<Vec<PathBuf>> {
+    with_layers_back(layers, back, |layers| write_layers(out, layers, back.crs()))
+}
+
+/// Calls `take` with layers of features in the coordinates and the unit of heights that `back` converts to, as
+/// [`write_layers_back`] writes them.
+///
+/// # Errors
+/// If a vertex has no coordinates in that system, and as `take`.
+pub fn with_layers_back<T>(
+    layers: &[Layer<'_>],
+    back: &FromWorking,
+    take: impl FnOnce(&[Layer<'_>]) -> Result<T>,
+) -> Result<T> {
+    if back.is_identity() && !back.unit().is_foot() {
+        return take(layers);
+    }
+    let mut reprojected = ReprojectedShapes::new(layers, back)?;
+    take(&reprojected.layers(layers))
+}
+
+/// The files that [`write_contours`] and [`write_layers`] write for layers of these names. The caller can check them
+/// before the computation.
+///
+/// # Errors
+/// The extension is not known, a layer name is not valid, or two layers share one.
+pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
+    layer::check_names(layers)?;
+    let mut layers = layers.to_vec();
+    match VectorFormat::from_path(target)? {
+        VectorFormat::GeoPackage => return Ok(vec![target.to_owned()]),
+        VectorFormat::Dxf => layers.retain(|name| !name.starts_with(layer::LABELS_LAYER)),
+        VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::Shapefile => {}
+    }
+    Ok(layers.iter().map(|name| target.with_file_name(layer::file_name(target, name, layers.len()))).collect())
+}

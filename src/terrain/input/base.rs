@@ -1,0 +1,22 @@
+//! The height map that gives the heights outside the frame.
+
+use std::path::Path;
+
+use super::Input;
+use crate::base::error::Result;
+use crate::raster::Dem;
+use crate::terrain::base::Base;
+
+impl Input {
+    /// Takes a height map that gives the heights outside the frame. Height maps of the terrain then cover both:
+    /// see [`Terrain::height_map`](crate::Terrain::height_map). It is in the contours' coordinate reference system if it
+    /// names none. `file` is its name in messages. A base that was set before is replaced.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it seems to be in degrees and neither it nor the contours name a system in degrees.
+    /// As [`Reprojection::bring`] if its system cannot be converted to the working one.
+    pub fn set_base(&mut self, dem: Dem, file: &Path) -> Result<()> {
+        self.base = Some(Base::new(dem, file, &self.reprojection)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! Cliffs: lines across which the surface may jump. Contours end at them or run together in them.
+
+use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::Line;
+
+use super::Input;
+use crate::base::error::{Finding, FindingKind, Result};
+use crate::contour::CliffLine;
+use crate::crs::Crs;
+use crate::tuning::CliffTuning;
+
+/// Findings that a cliff explains.
+const EXPLAINED: [FindingKind; 8] = [
+    FindingKind::Gap,
+    FindingKind::OpenEnd,
+    FindingKind::SkippedLevel,
+    FindingKind::LevelsCross,
+    FindingKind::SelfCross,
+    FindingKind::OverlappingLines,
+    FindingKind::ClosedGap,
+    FindingKind::Spike,
+];
+
+impl Input {
+    /// Adds cliffs. Ends of contours beside them are no gaps. They are in the contours' coordinate reference system if
+    /// `crs` is `None`. Call it before [`Input::prepare`].
+    ///
+    /// A line with a vertex that has no place on the working plane is left out, with a finding.
+    ///
+    /// # Errors
+    /// If their system cannot be converted to the working one.
+    pub fn add_cliffs(&mut self, lines: impl IntoIterator<Item = CliffLine>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
+        let mut added = Vec::new();
+        for line in lines {
+            let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
+            match points.collect::<Result<Vec<DVec2>>>() {
+                Ok(points) => added.push(points),
+                Err(error) => {
+                    let message = format!("cliff {} is left out: {error}", line.feature);
+                    let finding = Finding::general(FindingKind::CliffLeftOut, message);
+                    self.findings.push(finding.of_feature(line.feature));
+                }
+            }
+        }
+        self.cliff_reach = CliffTuning::default().reach * self.mean_spacing();
+        let near = NearCliffs::new(&added, self.cliff_reach);
+        let mut met = Vec::new();
+        for line in self.map.contours.iter().filter(|line| !line.is_closed()) {
+            let ends = [line.points.first(), line.points.last()].into_iter().flatten().copied();
+            let before = met.len();
+            met.extend(ends.filter(|end| near.holds(*end)));
+            if met.len() > before {
+                self.at_cliffs.insert(line.feature);
+            }
+        }
+        if !met.is_empty() {
+            let message = format!("{} ends of contours at cliffs are no gaps", met.len());
+            self.findings.push(Finding::general(FindingKind::AtCliff, message));
+        }
+        self.map.cut_ends.extend(met);
+        self.cliffs.append(&mut added);
+        Ok(())
+    }
+
+    /// Mean spacing of the contours: the area of their box divided by their length, map units.
+    fn mean_spacing(&self) -> f64 {
+        let points = || self.map.contours.iter().flat_map(|line| &line.points).filter(|p| p.is_finite());
+        let (least, most) = points().fold((DVec2::MAX, DVec2::MIN), |(a, b), p| (a.min(*p), b.max(*p)));
+        let length: f64 = self.map.contours.iter().map(|line| line.length()).filter(|length| length.is_finite()).sum();
+        if length > 0.0 { (most - least).element_product() / length } else { 0.0 }
+    }
+
+    /// Findings beside cliffs become notes that say so, and so do those about elevations of contours that end at a cliff:
+    /// at its end, the ground on the other side may have any elevation.
+    pub(in crate::terrain) fn explain_by_cliffs(&mut self) {
+        let Self { cliffs, cliff_reach, at_cliffs, findings, .. } = self;
+        let near = NearCliffs::new(cliffs, *cliff_reach);
+        let ends_there = |f: &Finding| f.features.iter().all(|feature| at_cliffs.contains(feature));
+        let is_explained = |f: &Finding| match f.kind {
+            FindingKind::WrongLabel => !f.features.is_empty() && ends_there(f),
+            kind => EXPLAINED.contains(&kind) && f.place.is_some_and(|p| near.holds(p)),
+        };
+        for finding in findings.iter_mut().filter(|finding| is_explained(finding)) {
+            finding.message = format!("at a cliff: {}", finding.message);
+            finding.kind = FindingKind::AtCliff;
+        }
+    }
+}
+
+/// The places near cliffs.
+struct NearCliffs {
+    segments: RTree<Line<[f64; 2]>>,
+    reach: f64,
+}
+
+impl NearCliffs {
+    fn new(cliffs: &[Vec<DVec2>], reach: f64) -> Self {
+        let segments = cliffs.iter().flat_map(|line| line.windows(2));
+        let segments = segments.map(|w| Line::new(w[0].to_array(), w[1].to_array())).collect();
+        Self { segments: RTree::bulk_load(segments), reach }
+    }
+
+    fn holds(&self, p: DVec2) -> bool {
+        p.is_finite() && self.segments.locate_within_distance(p.to_array(), self.reach * self.reach).next().is_some()
+    }
+}

@@ -1,0 +1,230 @@
+//! Reading of the facade's inputs from files.
+
+use std::mem::take;
+use std::path::{Path, PathBuf};
+
+use super::{Input, InputOptions, Signs, in_metres};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
+use crate::base::progress::{Progress, step};
+use crate::contour::SpotHeights;
+use crate::crs::Crs;
+use crate::io::raster::{DemFile, read_dem};
+use crate::io::{
+    ReadOptions, Stated, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_coast_stated,
+    read_contours, read_excluded, read_sinks, read_spot_heights, read_streams, read_water_stated,
+};
+use crate::terrain::sheets::{Sheet, joined};
+
+impl Input {
+    /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.
+    ///
+    /// # Errors
+    /// As [`Input::read_with`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::read_with(path.as_ref(), &InputOptions::default(), &())
+    }
+
+    /// Reads contours and the spot heights that come with them.
+    ///
+    /// # Errors
+    /// As [`Input::read_all`].
+    pub fn read_with(path: &Path, options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
+        Self::read_all(&[path.into()], options, progress)
+    }
+
+    /// Reads the contours of files as one map, and the spot heights that come with them. Lines that end at the edge of one
+    /// sheet and go on in the next one are joined by [`Input::prepare`].
+    ///
+    /// The map is in the coordinate reference system of the first file that names one. Lines of files in another system
+    /// are transformed, with a finding. Each file may have a unit of elevations of its own. The layer of the options is
+    /// that of files which name none.
+    ///
+    /// # Errors
+    /// As [`read_contours`] and [`Input::from_map`]; the error names the file. If no file is given.
+    pub fn read_all(sources: &[VectorSource], options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
+        let sheet = |source: &VectorSource| {
+            let layer = source.layer.clone().or_else(|| options.layer.clone());
+            let InputOptions { elevation_field, memory, unit, depths, .. } = options.clone();
+            let features = source.features.clone();
+            let reading = ReadOptions { elevation_field, layer, memory, features, unit, depths };
+            let (read, unit) = in_metres(read_contours(&source.path, &reading)?, options);
+            let Report { value: map, findings } = read;
+            Ok(Sheet { file: source.path.clone(), map, findings, unit })
+        };
+        step(progress, "reading", || {
+            let mut sheets = sources.iter().map(sheet).collect::<Result<Vec<Sheet>>>()?;
+            let files: Vec<PathBuf> = sheets.iter().map(|sheet| sheet.file.clone()).collect();
+            let Some(unit) = sheets.first().map(|sheet| sheet.unit) else {
+                return Err(Error::Parameter("no file is given".into()));
+            };
+            let read = match sheets.as_mut_slice() {
+                [one] => Report { value: take(&mut one.map), findings: take(&mut one.findings) },
+                _ => joined(sheets, options.plane_unit)?,
+            };
+            let input = Self::from_metres(read, unit, options);
+            let input = input.map_err(|error| if let [file] = &files[..] { error.in_file(file) } else { error })?;
+            Ok(Self { files, ..input })
+        })
+    }
+
+    /// Reads spot heights from a file and adds them. An attribute `sigma` holds their standard errors; those without one
+    /// have the standard error `sigma`, if there is one, in the unit of the heights. Without any, the surface passes
+    /// through them.
+    ///
+    /// # Errors
+    /// As [`read_spot_heights`] and [`Input::add_spots`]; the error names the file.
+    pub fn read_spots(&mut self, source: &VectorSource, sigma: Option<f64>, progress: &dyn Progress) -> Result<()> {
+        let path = &source.path;
+        step(progress, "reading", || {
+            let mut about = Vec::new();
+            let SpotHeights { points, sigmas, crs, unit_hint, stated_unit } =
+                read_spot_heights(path, &self.reading(source))?.collect(&mut about);
+            self.take_findings(about, crs.as_ref()).map_err(|error| error.in_file(path))?;
+            let spots = points.into_iter().zip(sigmas.into_iter().map(|own| own.or(sigma)));
+            let signs = Signs { stated: stated_unit.as_ref(), hint: unit_hint.as_ref() };
+            let added = self.add_spots_with(spots, crs.as_ref(), signs);
+            added.map_err(|error| error.in_file(path))
+        })
+    }
+
+    /// Reads lakes from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_water`](crate::io::read_water) and [`Input::add_lakes`]; the error names the file.
+    pub fn read_lakes(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Stated { value: lakes, crs, unit } =
+            read_water_stated(path, &self.reading(source))?.collect(&mut self.findings);
+        let signs = Signs { stated: unit.as_ref(), hint: None };
+        self.add_lakes_with(lakes, crs.as_ref(), signs).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads lines of rivers and streams, and river areas, from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_streams`] and [`Input::add_streams`]; the error names the file.
+    pub fn read_streams(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Report { value: (Waterways { lines, areas }, crs), findings } = read_streams(path, &self.reading(source))?;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_river_areas(areas, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads cliffs from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_cliffs`] and [`Input::add_cliffs`]; the error names the file.
+    pub fn read_cliffs(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Report { value: (lines, crs), findings } = read_cliffs(path, &self.reading(source))?;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_cliffs(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads break lines from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_break_lines`] and [`Input::add_break_lines`]; the error names the file.
+    pub fn read_break_lines(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Report { value: (lines, crs), findings } = read_break_lines(path, &self.reading(source))?;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_break_lines(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Adds findings about a file in some coordinate reference system.
+    fn take_findings(&mut self, mut findings: Vec<Finding>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
+        for finding in &mut findings {
+            let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
+            finding.place = place.map(|p| p.truncate());
+        }
+        self.findings.append(&mut findings);
+        Ok(())
+    }
+
+    /// Reads the height map that gives the heights outside the frame.
+    ///
+    /// # Errors
+    /// As [`read_dem`] and [`Input::set_base`]; the error names the file.
+    pub fn read_base(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
+        let Report { value: DemFile { dem, .. }, findings } = step(progress, "reading", || read_dem(path))?;
+        let name = path.display();
+        for finding in findings {
+            let system = match finding.kind {
+                FindingKind::UnknownCrs => "; it is taken to be in that of the contours",
+                _ => "",
+            };
+            self.findings.push(Finding {
+                message: format!("{name}: {}{system}", finding.message),
+                place: None,
+                ..finding
+            });
+        }
+        self.set_base(dem, path)
+    }
+
+    /// Reads the coast from a file, lines or polygons of land or sea, and adds it.
+    ///
+    /// # Errors
+    /// As [`read_coast`](crate::io::read_coast) and [`Input::add_coast`]; the error names the file.
+    pub fn read_coast(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Stated { value: lines, crs, unit } =
+            read_coast_stated(path, &self.reading(source))?.collect(&mut self.findings);
+        let unit = match &unit {
+            Some(_) => self.unit_beside("the levels of the coast", None, Signs { stated: unit.as_ref(), hint: None }),
+            None => self.unit,
+        };
+        self.add_coast_in(unit, lines, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads places where water may stay from a file, points and polygons, and adds them.
+    ///
+    /// # Errors
+    /// As [`read_sinks`] and [`Input::add_sinks`]; the error names the file.
+    pub fn read_sinks(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (sinks, crs) = read_sinks(path, &self.reading(source))?.collect(&mut self.findings);
+        self.add_sinks(sinks, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads polygons from a file and leaves out the contours and spot heights inside them.
+    ///
+    /// # Errors
+    /// As [`read_excluded`] and [`Input::exclude`]; the error names the file.
+    pub fn read_excluded(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (polygons, crs) = read_excluded(path, &self.reading(source))?;
+        let name = path.display().to_string();
+        self.exclude(&polygons, crs.as_ref(), &name).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads a boundary polygon from a file: the ground ends there.
+    ///
+    /// # Errors
+    /// As [`read_area`] and [`Input::set_boundary`]; the error names the file.
+    pub fn read_boundary(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (area, crs) = read_area(path, &self.reading(source))?;
+        self.set_boundary(&area, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads the polygons of the part of the map that results cover.
+    ///
+    /// # Errors
+    /// As [`read_area`] and [`Input::set_part`]; the error names the file.
+    pub fn read_part(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (area, crs) = read_area(path, &self.reading(source))?;
+        self.set_part(&area, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// How further files are read.
+    fn reading(&self, source: &VectorSource) -> ReadOptions {
+        let VectorSource { layer, features, .. } = source.clone();
+        let Self { memory, asked_unit: unit, depths, .. } = *self;
+        ReadOptions { layer, features, memory, unit, depths, ..ReadOptions::default() }
+    }
+}

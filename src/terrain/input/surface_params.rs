@@ -1,0 +1,48 @@
+//! What the surface of an input is made from.
+
+use std::mem::take;
+
+use glam::DVec2;
+
+use super::Input;
+use crate::contour::ContourMap;
+use crate::spline::SplineParams;
+use crate::streams::Streams;
+use crate::subdivision::Water;
+use crate::surface::SurfaceParams;
+use crate::terrain::grid::Cells;
+use crate::terrain::options::Options;
+
+impl Input {
+    /// The parameters of the surface. Frame, lakes and lines are moved out of the input.
+    pub(in crate::terrain) fn surface_params(&mut self, options: &Options, cells: Option<&Cells>) -> SurfaceParams {
+        let wanted = cells.zip(middle(&self.map)).and_then(|(cells, place)| cells.wanted(place));
+        SurfaceParams {
+            kind: options.kind,
+            frame: take(&mut self.frame),
+            resolution: options.resolution,
+            water: Water { lakes: take(&mut self.lakes), sea: options.sea, coast: self.coast.clone() },
+            cliffs: take(&mut self.cliffs),
+            creases: take(&mut self.creases),
+            streams: Streams {
+                lines: take(&mut self.streams),
+                areas: take(&mut self.river_areas),
+                tolerance: options.stream_tolerance,
+            },
+            drain: options.drain,
+            sinks: take(&mut self.sinks),
+            spline: SplineParams { wanted, tension: options.tension, noise: options.noise },
+            triangles: options.triangles,
+            uncertainty: options.uncertainty,
+            memory: options.memory,
+            tuning: options.tuning,
+        }
+    }
+}
+
+/// The middle of the box around the contours of a map.
+fn middle(map: &ContourMap) -> Option<DVec2> {
+    let points = map.contours.iter().flat_map(|c| c.points.iter().copied());
+    let around = points.map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)));
+    around.map(|(lo, hi)| (lo + hi) / 2.0)
+}
