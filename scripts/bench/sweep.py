@@ -4,7 +4,7 @@
     sweep.py NAME=VALUE,VALUE,... [NAME=VALUE,...] [MAP.gpkg:TRUTH.tif ...] [--keep FILE]
     sweep.py --all [MAP.gpkg:TRUTH.tif ...] [--keep FILE]
 
-NAME is a number of src/tuning, such as spline.crease_weight, or spline.steps.1 for an element of an array; an unknown
+NAME is a number of src/core/tuning, such as spline.crease_weight, or spline.steps.1 for an element of an array; an unknown
 name lists all names. Two names are varied together: every value of the first with every value of the second. TRUTH holds
 the heights that the contours of MAP were cut from; the height map is made on its grid. Without maps the sample is used.
 
