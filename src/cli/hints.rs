@@ -30,9 +30,9 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
             ": --plane-unit m, --plane-unit ft or --plane-unit us-ft; or name the coordinate reference system with --crs".to_owned()
         }
         Error::PlaneUnitUnknown => ": --plane-unit m, --plane-unit ft or --plane-unit us-ft; or --crs CRS".to_owned(),
-        Error::Exists { .. } => "; --overwrite replaces it, or choose another name".to_owned(),
+        Error::Exists { .. } => "; use --overwrite to replace it, or choose another name".to_owned(),
         Error::LayerExists { is_input: false, .. } => {
-            "; --overwrite replaces the layer, or choose another file".to_owned()
+            "; use --overwrite to replace the layer, or choose another file".to_owned()
         }
         Error::AcrossCut { .. } => {
             "; name a projected CRS for it (--to-crs CRS --cell SIZE), leave --to-crs and --cell-degrees out for the \
@@ -98,8 +98,10 @@ fn in_flags(error: &Error) -> Option<String> {
             "{input}: {places} places need repair before a surface can be made, and --repair none is set; --repair safe \
              repairs them, 'tokosen check' lists them"
         ),
-        Error::Strict { input, findings: 1 } => format!("1 finding about {input}, and --strict is set"),
-        Error::Strict { input, findings } => format!("{findings} findings about {input}, and --strict is set"),
+        Error::Strict { input, findings: 1 } => format!("{input} has 1 error or warning, and --strict allows none"),
+        Error::Strict { input, findings } => {
+            format!("{input} has {findings} errors and warnings, and --strict allows none")
+        }
         _ => return None,
     })
 }

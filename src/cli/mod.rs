@@ -100,7 +100,7 @@ struct Common {
     /// Print errors only
     #[arg(short, long, global = true)]
     quiet: bool,
-    /// Tell details, and list every finding about the input, not just the first ones of each kind
+    /// Print details, and list every finding about the input, not just the first ones of each kind
     #[arg(short, long, global = true, conflicts_with = "quiet")]
     verbose: bool,
     /// Replace files, and layers of a GeoPackage, that another program made. Without this option only those that tokosen

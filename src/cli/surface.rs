@@ -44,7 +44,7 @@ pub struct SurfaceArgs {
     /// from the contours]
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub noise: Option<f64>,
-    /// Another value of a tuned number, for scripts/sweep.py
+    /// Another value of a tuned number, for scripts/bench/sweep.py
     #[arg(long, value_name = "NAME=VALUE", hide = true)]
     pub tune: Vec<String>,
 }

@@ -43,4 +43,5 @@ pages! {
     library = "library.md",
     python = "python.md",
     tuning = "tuning.md",
+    development = "development.md",
 }

@@ -164,7 +164,10 @@ fn strict_is_about_errors_and_warnings() {
     folder.put("map.geojson", &faulty());
     let (status, _, err) = folder.run("check map.geojson --strict -q");
     assert_eq!(status, 1);
-    assert!(err.starts_with("error: ") && err.contains("findings about map.geojson, and --strict is set"), "{err}");
+    assert!(
+        err.starts_with("error: map.geojson has ") && err.contains(" errors and warnings, and --strict allows none"),
+        "{err}"
+    );
     let mut lines = hill();
     let start = lines[2].1[0];
     lines[2].1.insert(1, start);

@@ -557,7 +557,7 @@ fn findings_are_named_and_end_the_work_only_if_they_should() {
     assert_eq!(output.status.code(), Some(FAILED));
     let text = stderr(&output);
     assert!(text.contains("at 1040.000 2005.000"), "{text}");
-    assert!(text.contains("error: 1 finding about crossed.geojson, and --strict is set"), "{text}");
+    assert!(text.contains("error: crossed.geojson has 1 error or warning, and --strict allows none"), "{text}");
     assert!(folder.listing() == before);
 }
 

@@ -9,10 +9,10 @@
 //!
 //! | refit | what is wanted | how it is measured |
 //! |---|---|---|
-//! | RMSE | the smallest error of height maps of known ground | `scripts/sweep.py` |
-//! | shares | 68 % of the true errors within one standard error, 95 % within two | `scripts/sweep.py`, `scripts/calibration.py` |
-//! | time | the least time for an RMSE that hardly rises | `scripts/sweep.py` and `scripts/benchmark_speed.py` |
-//! | contours | the smallest distance of new contours from true ones | `scripts/score_contours.py` |
+//! | RMSE | the smallest error of height maps of known ground | `scripts/bench/sweep.py` |
+//! | shares | 68 % of the true errors within one standard error, 95 % within two | `scripts/bench/sweep.py`, `scripts/bench/calibration.py` |
+//! | time | the least time for an RMSE that hardly rises | `scripts/bench/sweep.py` and `scripts/bench/benchmark_speed.py` |
+//! | contours | the smallest distance of new contours from true ones | `scripts/bench/score_contours.py` |
 //!
 //! [The guide's page](crate::guide::tuning) has the whole table of values that were tried. A *spacing* is the
 //! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.

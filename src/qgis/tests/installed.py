@@ -17,7 +17,7 @@ PLUGINS = pathlib.Path(os.environ["QGIS_CUSTOM_CONFIG_PATH"], "profiles", "defau
 
 def make_zip(path, *more):
     subprocess.run(
-        [sys.executable, ROOT / "scripts" / "make_qgis_plugin.py", "-o", path, *more], check=True, capture_output=True
+        [sys.executable, ROOT / "scripts" / "make" / "make_qgis_plugin.py", "-o", path, *more], check=True, capture_output=True
     )
     return path
 

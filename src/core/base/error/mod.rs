@@ -269,7 +269,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// A file is there that another program made, and may not be replaced.
-    #[error("{} exists, and does not say that this program made it", path.display())]
+    #[error("{} exists, and nothing in it shows that tokosen made it", path.display())]
     Exists {
         /// The file.
         path: PathBuf,
@@ -293,7 +293,7 @@ pub enum Error {
         places: usize,
     },
     /// The input has errors or warnings, and none is allowed.
-    #[error("{} about {input}, and none is allowed", count_of(*findings))]
+    #[error("{input} has {}, and strict preparation allows none", count_of(*findings))]
     Strict {
         /// Name of the input.
         input: String,
@@ -412,7 +412,7 @@ fn why_kept(is_input: bool) -> &'static str {
 }
 
 fn count_of(findings: usize) -> String {
-    if findings == 1 { "1 finding".to_owned() } else { format!("{findings} findings") }
+    if findings == 1 { "1 error or warning".to_owned() } else { format!("{findings} errors and warnings") }
 }
 
 fn quoted(names: &[String]) -> String {
