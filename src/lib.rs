@@ -15,7 +15,7 @@
 //! | step | takes | gives |
 //! |---|---|---|
 //! | [`Input::read`], [`Input::from_map`], [`Input::from_arrays`] | a file, or lines in memory | an [`Input`]: a map on its working plane, and the findings about it |
-//! | [`Input::exclude`] | an input, polygons | the same input without the contours and spot heights inside them |
+//! | [`Input::add`], [`Input::read_features`] | an input, [`Features`](features::Features) in their [`Role`](features::Role) | the same input with streams, break lines, cliffs, coast, lakes, sinks, or without the contours inside polygons |
 //! | [`Input::prepare`] | an input | the same input: examined, repaired, cleaned, fitted and sampled |
 //! | [`Terrain::build`] | an input | a [`Terrain`]: [`contours`](Terrain::contours), [`dem`](Terrain::dem), [`errors`](Terrain::errors), [`mesh`](Terrain::mesh) |
 //! | [`io::read_contours`] | a file, including 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |

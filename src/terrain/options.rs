@@ -28,7 +28,7 @@ pub struct Options {
     /// Distance from the surface at which a twentieth of its difference from the base is left, map units. If `None`: a
     /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`](super::Input::set_base).
     pub base_fade: Option<f64>,
-    /// Which pits get a way out. Sinks are given by [`Input::add_sinks`](super::Input::add_sinks).
+    /// Which pits get a way out. Sinks are given by [`Input::add`](super::Input::add).
     pub drain: Drain,
     /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.

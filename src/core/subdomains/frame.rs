@@ -18,7 +18,7 @@ const FURTHEST: f64 = 1.0;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Frame {
     /// The convex hull of all contours and spot heights. Where these fill less than a third of it, an outline that follows them:
-    /// [`Input::clean`](crate::Input::clean) decides. To all steps after it, this is the hull.
+    /// The facade's `Input::clean` decides. To all steps after it, this is the hull.
     #[default]
     Auto,
     /// The convex hull of all contours and spot heights.

@@ -14,7 +14,7 @@
 //! | time | the least time for an RMSE that hardly rises | `scripts/bench/sweep.py` and `scripts/bench/benchmark_speed.py` |
 //! | contours | the smallest distance of new contours from true ones | `scripts/bench/score_contours.py` |
 //!
-//! [The guide's page](crate::guide::tuning) has the whole table of values that were tried. A *spacing* is the
+//! The guide's page on tuning (`src/guide/tuning.md`) has the whole table of values that were tried. A *spacing* is the
 //! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.
 
 mod cliffs;

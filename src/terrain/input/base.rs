@@ -13,8 +13,8 @@ impl Input {
     /// names none. `file` is its name in messages. A base that was set before is replaced.
     ///
     /// # Errors
-    /// [`Error::File`] if it seems to be in degrees and neither it nor the contours name a system in degrees.
-    /// As [`Reprojection::bring`] if its system cannot be converted to the working one.
+    /// [`Error::File`](crate::Error::File) if it seems to be in degrees and neither it nor the contours name a system in degrees.
+    /// As [`Reprojection::bring`](crate::crs::Reprojection::bring) if its system cannot be converted to the working one.
     pub fn set_base(&mut self, dem: Dem, file: &Path) -> Result<()> {
         self.base = Some(Base::new(dem, file, &self.reprojection)?);
         Ok(())
