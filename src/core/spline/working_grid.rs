@@ -76,51 +76,78 @@ impl WorkingGrid {
         is_on.then(|| place.y as usize * self.grid.cols + place.x as usize)
     }
 
-    /// The height at a position. A node's own height within a millionth of a cell, otherwise interpolated; NaN off the
-    /// grid.
+    /// The height at a position. A node's own height within a millionth of a cell, otherwise interpolated from the sixteen
+    /// nodes around by cubic convolution. Nodes beyond the frame are extrapolated linearly from those inside. NaN where none
+    /// of the four nodes around is inside.
     pub(crate) fn at(&self, p: DVec2) -> f32 {
-        let grid = &self.grid;
-        let first = grid.center(0, 0);
-        let (x, y) = ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y);
-        let (col, row) = (x.round(), y.round());
-        let on_grid = |c: f64, r: f64| c >= 0.0 && r >= 0.0 && c < grid.cols as f64 && r < grid.rows as f64;
-        let node = |c: f64, r: f64| {
-            let (c, r) = (c.clamp(0.0, grid.cols as f64 - 1.0), r.clamp(0.0, grid.rows as f64 - 1.0));
-            self.heights[r as usize * grid.cols + c as usize]
-        };
-        if !on_grid(col, row) {
+        let place = Lattice::of_grid(&self.grid).place(p);
+        let near = place.round();
+        if self.node(near).is_none() {
             return f32::NAN;
         }
-        if (x - col).abs() < ON_NODE && (y - row).abs() < ON_NODE {
-            return node(col, row);
+        if (place - near).abs().max_element() < ON_NODE {
+            return self.node(near).unwrap_or(f32::NAN);
         }
-        let (c, r) = (x.floor(), y.floor());
-        let (wx, wy) = (cubic(x - c), cubic(y - r));
-        let (mut sum, mut complete) = (0.0, true);
-        for (j, wy) in wy.iter().enumerate() {
-            for (i, wx) in wx.iter().enumerate() {
-                let value = node(c + i as f64 - 1.0, r + j as f64 - 1.0);
-                complete &= value.is_finite();
-                sum += wx * wy * f64::from(value);
+        let first = place.floor();
+        let mut block: [[f64; 4]; 4] = std::array::from_fn(|j| {
+            std::array::from_fn(|i| {
+                let node = self.node(first + DVec2::new(i as f64 - 1.0, j as f64 - 1.0));
+                node.map_or(f64::NAN, f64::from)
+            })
+        });
+        if block.iter().flatten().any(|height| height.is_nan()) {
+            if block[1..3].iter().flat_map(|row| &row[1..3]).all(|height| height.is_nan()) {
+                return f32::NAN;
+            }
+            extrapolate(&mut block);
+        }
+        let (wx, wy) = (cubic(place.x - first.x), cubic(place.y - first.y));
+        let mut sum = 0.0;
+        for (row, wy) in block.iter().zip(&wy) {
+            for (height, wx) in row.iter().zip(&wx) {
+                sum += wx * wy * height;
             }
         }
-        if complete { sum as f32 } else { nearest(&node, x, y) }
+        sum as f32
+    }
+
+    /// The height of a node by its column and row; `None` off the grid. NaN outside the frame.
+    fn node(&self, place: DVec2) -> Option<f32> {
+        let Grid { cols, rows, .. } = self.grid;
+        let is_on = place.cmpge(DVec2::ZERO).all() && place.cmplt(DVec2::new(cols as f64, rows as f64)).all();
+        is_on.then(|| self.heights[place.y as usize * cols + place.x as usize])
     }
 }
 
-/// Mean of those of the four nodes around that have heights, weighted by nearness.
-fn nearest(node: &impl Fn(f64, f64) -> f32, x: f64, y: f64) -> f32 {
-    let (c, r) = (x.floor(), y.floor());
-    let (mut sum, mut weights) = (0.0, 0.0);
-    for (i, j) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-        let value = node(c + i, r + j);
-        let weight = (1.0 - (x - c - i).abs()) * (1.0 - (y - r - j).abs());
-        if value.is_finite() {
-            sum += weight * f64::from(value);
-            weights += weight;
+/// Gives nodes without a height one: along rows and columns with two heights or more, linearly, and at last where there is a
+/// single height.
+fn extrapolate(block: &mut [[f64; 4]; 4]) {
+    for least in [2, 2, 1] {
+        block.iter_mut().for_each(|row| fill(row, least));
+        for i in 0..4 {
+            let mut column = block.map(|row| row[i]);
+            fill(&mut column, least);
+            block.iter_mut().zip(column).for_each(|(row, height)| row[i] = height);
         }
     }
-    (sum / weights) as f32
+}
+
+/// Gives those without a height one, if at least `least` have one: on the line through the two nearest that have one, or that
+/// of the only one.
+fn fill(heights: &mut [f64; 4], least: usize) {
+    let known = *heights;
+    for (k, height) in heights.iter_mut().enumerate().filter(|(_, height)| height.is_nan()) {
+        let mut near: Vec<usize> = (0..4).filter(|&n| known[n].is_finite()).collect();
+        near.sort_by_key(|&n| n.abs_diff(k));
+        match near[..] {
+            [a, b, ..] => {
+                let slope = (known[b] - known[a]) / (b as f64 - a as f64);
+                *height = known[a] + slope * (k as f64 - a as f64);
+            }
+            [a] if least == 1 => *height = known[a],
+            _ => {}
+        }
+    }
 }
 
 /// Weights of four neighbours (Catmull-Rom, Keys 1981 with a = -1/2) at `t` between the second and the third.
@@ -132,6 +159,29 @@ fn cubic(t: f64) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// At the frame, heights follow the slope of the ground: they are not the mean of the nodes inside.
+    #[test]
+    fn a_slope_goes_on_to_the_last_cell_beside_the_frame() {
+        let grid = Grid { corner: DVec2::new(-0.5, 20.5), cell: DVec2::ONE, cols: 21, rows: 21 };
+        let slope = |p: DVec2| 100.0 + 3.0 * p.x - 2.0 * p.y;
+        let is_inside = |p: DVec2| p.x + 0.4 * p.y < 17.0 && p.y > 2.3;
+        let node = |k: usize| grid.center(k % grid.cols, k / grid.cols);
+        let height = |k: usize| if is_inside(node(k)) { slope(node(k)) as f32 } else { f32::NAN };
+        let working = WorkingGrid { grid, heights: (0..grid.len()).map(height).collect() };
+        let places = (0..400).flat_map(|i| (0..400).map(move |j| DVec2::new(f64::from(i), f64::from(j)) * 0.05));
+        let (mut seen, mut beside) = (0, 0);
+        for p in places.filter(|p| is_inside(*p)) {
+            let found = f64::from(working.at(p));
+            if found.is_nan() {
+                continue;
+            }
+            seen += 1;
+            beside += usize::from(!is_inside(p + DVec2::new(1.0, -1.0)));
+            assert!((found - slope(p)).abs() < 1e-3, "{found} at {p}, and {} is right", slope(p));
+        }
+        assert!(seen > 50_000 && beside > 2_000, "{seen} places, {beside} of them beside the frame");
+    }
 
     #[test]
     fn cells_on_nodes_have_their_heights() {
