@@ -27,13 +27,13 @@ pub struct LevelsArgs {
         long,
         value_name = "Z",
         value_delimiter = ',',
-        conflicts_with_all = ["interval", "base"],
+        conflicts_with_all = ["interval", "base_level"],
         hide_short_help = true
     )]
     levels: Vec<f64>,
-    /// Levels are BASE plus whole multiples of the interval [metres, or the unit of --to-unit]
-    #[arg(long, default_value_t = 0.0, hide_short_help = true)]
-    base: f64,
+    /// Levels are this one plus whole multiples of the interval [metres, or the unit of --to-unit]
+    #[arg(long, alias = "base", value_name = "LEVEL", default_value_t = 0.0, hide_short_help = true)]
+    base_level: f64,
     /// Every Nth level is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, hide_short_help = true)]
     pub index: u32,
@@ -48,7 +48,7 @@ pub struct LevelsArgs {
 impl LevelsArgs {
     /// The levels of each layer.
     pub fn targets(&self) -> Result<Vec<Target>, Failure> {
-        if let Some(bad) = self.levels.iter().chain([&self.base]).find(|level| !level.is_finite()) {
+        if let Some(bad) = self.levels.iter().chain([&self.base_level]).find(|level| !level.is_finite()) {
             return Err(Failure::Usage(format!("{bad} is no elevation")));
         }
         if !self.levels.is_empty() {
@@ -57,7 +57,7 @@ impl LevelsArgs {
         if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
             return Err(Failure::Usage(format!("--interval is {bad}, it must be more than 0")));
         }
-        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base }.into()).collect())
+        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
     }
 
     /// Checks the labels. `output` is the file of the contours.

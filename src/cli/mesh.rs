@@ -33,8 +33,8 @@ pub struct MeshArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m]
-    #[arg(long, value_name = "HEIGHT", help_heading = "Output")]
-    base: Option<f64>,
+    #[arg(long, alias = "base", value_name = "HEIGHT", help_heading = "Output")]
+    base_height: Option<f64>,
     /// Also draw an oblique view of the model with its contours, ridge and canyon lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -47,7 +47,7 @@ pub struct MeshArgs {
 const EXAMPLES: &str = "\
 Examples:
   tokosen mesh contours.gpkg -o terrain.glb
-  tokosen mesh contours.shp -a ELEV -o print.ply --base 0
+  tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
 
 /// Runs the verb.
@@ -67,7 +67,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
         job.read(Scope { part: Some(&args.part), sea: args.surface.water.sea, ..Scope::of(&args.surface.frame) })?;
     let terrain =
         job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
-    let model = terrain.mesh(&MeshParams { base: args.base })?;
+    let model = terrain.mesh(&MeshParams { base: args.base_height })?;
     // The picture is drawn in metres.
     let of_drawing = model.in_drawing(&terrain.reprojection);
     let written = of_drawing.as_ref().unwrap_or(&model);

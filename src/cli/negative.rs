@@ -52,7 +52,7 @@ fn wants_value(verb: &Command, word: &OsString) -> bool {
 }
 
 fn has_long(option: &Arg, name: &str) -> bool {
-    option.get_long_and_visible_aliases().unwrap_or_default().contains(&name)
+    option.get_long() == Some(name) || option.get_all_aliases().unwrap_or_default().contains(&name)
 }
 
 fn takes_next(option: &Arg) -> bool {
@@ -87,7 +87,8 @@ mod tests {
         ("--levels", "-.5,3", Taken),
         ("--interval", "-5", Taken),
         ("-i", "-5,2", Taken),
-        ("--base", "-12.5", Taken),
+        ("--base-level", "-12.5", Taken),
+        ("--base-height", "-12.5", Taken),
         ("--index", "-5", Refused),
         ("--extent", "-10,-20,30,40.5", Taken),
         ("--extent", "-10.5 -20 30 40", Taken),

@@ -255,7 +255,7 @@ fn the_command_line_writes_models_and_refuses_other_names() {
         command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/fig1f_nested.geojson"));
         command.args(arguments).assert()
     };
-    let told = run(&["-o", "a.glb", "--base", "-100"]).code(0).get_output().stdout.clone();
+    let told = run(&["-o", "a.glb", "--base-height", "-100"]).code(0).get_output().stdout.clone();
     assert!(String::from_utf8(told).unwrap().contains("solid"));
     let glb = read_glb(&std::fs::read(folder.path().join("a.glb")).unwrap());
     assert!(is_closed(&glb.triangles));
@@ -265,7 +265,7 @@ fn the_command_line_writes_models_and_refuses_other_names() {
     run(&["-o", "d.png", "--preview", "d.png"]).code(2);
     run(&["-o", "d.ply", "--preview", "d.jpg"]).code(2);
     run(&["-o", "a.stl"]).code(2);
-    run(&["-o", "b.ply", "--base", "100000"]).code(2);
+    run(&["-o", "b.ply", "--base-height", "100000"]).code(2);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing but what was asked for is left");
 }
 

@@ -62,8 +62,11 @@ fn lists_of_levels_below_zero_are_levels() {
 fn other_options_take_them_and_say_what_is_wrong() {
     let folder = basin();
     folder.succeeds("dem a.geojson --cell 50 --extent -500,-400,-100,300.5 -o part.tif");
-    folder.succeeds("densify a.geojson -i 1 --base -2.5 --sea -20 --coast -20 -o out.gpkg");
-    folder.succeeds("mesh a.geojson --base -100 -o solid.ply");
+    folder.succeeds("densify a.geojson -i 1 --base-level -2.5 --sea -20 --coast -20 -o out.gpkg");
+    folder.succeeds("mesh a.geojson --base-height -100 -o solid.ply");
+    // The names of earlier versions.
+    folder.succeeds("densify a.geojson -i 1 --base -2.5 -o by_alias.gpkg");
+    folder.succeeds("mesh a.geojson --base -100 -o by_alias.ply");
     for (given, status, words) in [
         ("densify a.geojson -i -5,2 -o out.gpkg", 2, "--interval is -5"),
         ("densify a.geojson -i 5 --index -5 -o out.gpkg", 2, "invalid value '-5' for '--index"),

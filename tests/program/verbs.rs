@@ -323,8 +323,8 @@ fn numbers_out_of_range() {
         ("densify hill.geojson -i 5", "--output"),
         ("densify hill.geojson -i 5 --levels 12 -o out.gpkg", "cannot be used with"),
         ("densify hill.geojson --levels nan -o out.gpkg", "NaN is no elevation"),
-        ("densify hill.geojson -i 5 --base inf -o out.gpkg", "inf is no elevation"),
-        ("densify hill.geojson --levels 12 --base 2 -o out.gpkg", "cannot be used with"),
+        ("densify hill.geojson -i 5 --base-level inf -o out.gpkg", "inf is no elevation"),
+        ("densify hill.geojson --levels 12 --base-level 2 -o out.gpkg", "cannot be used with"),
         (
             "densify hill.geojson -i 5 -o out.gpkg --dem d.tif",
             "needs --cell SIZE, --cell-degrees SIZE or --like RASTER",
@@ -507,7 +507,7 @@ fn levels_and_base() {
     };
     assert_eq!(levels("--levels 12.5,13,25,-4,20"), [12.5, 13.0, 25.0]);
     assert_eq!(levels("-i 5"), [15.0, 25.0]);
-    assert_eq!(levels("-i 5 --base 2"), [12.0, 17.0, 22.0, 27.0]);
+    assert_eq!(levels("-i 5 --base-level 2"), [12.0, 17.0, 22.0, 27.0]);
     assert_eq!(levels("-i 5 --base -1.5"), [13.5, 18.5, 23.5, 28.5]);
 }
 

@@ -14,15 +14,8 @@ NO_ARGUMENTS = {
     "help", "output", "preview", "diagnostics", "quiet", "verbose", "overwrite", "threads", "save-run", "labels", "cog",
     "png-encoding", "report", "json",
 }
-# Names that differ: a flag that switches something off is an argument that is true; `base` of a list of levels and of a solid
-# are other things than the height map under the contours.
-RENAMED = {
-    "elevation-field": "elevation",
-    "no-extend": "extend",
-    ("densify", "base"): "base_level",
-    ("contour", "base"): "base_level",
-    ("mesh", "base"): "base_height",
-}
+# Names that differ: a flag that switches something off is an argument that is true.
+RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}
 # Flags whose work is another function or a method of the result.
 LEFT_OUT = {
     "densify": {"dem", "cell", "cell-degrees", "like", "compare"},
@@ -66,7 +59,7 @@ def test_arguments_are_flags(program, verb):
     flags, arguments = flags_of(program, verb), arguments_of(verb)
     assert len(flags) > 10
     wanted = flags.keys() - NO_ARGUMENTS - LEFT_OUT.get(verb, set())
-    named = {RENAMED.get((verb, flag), RENAMED.get(flag, flag.replace("-", "_"))): flag for flag in wanted}
+    named = {RENAMED.get(flag, flag.replace("-", "_")): flag for flag in wanted}
     missing = {flag for name, flag in named.items() if name not in arguments}
     assert missing - {"progress"} == set()
     compared = 0

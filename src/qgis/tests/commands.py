@@ -70,7 +70,7 @@ class Tools(Case):
         self.assertEqual(results["OUTPUT"], f"{made}|layername=contours_7.5m")
         self.assertEqual(results["DIAGNOSTICS"], f"{diagnostics}|layername=conflicts")
         self.assertGreater(count(made), 100)
-        options = [CONTOURS, "-i", "7.5", "--index", "4", "--base", "2.5", "--labels", "--uncertainty"]
+        options = [CONTOURS, "-i", "7.5", "--index", "4", "--base-level", "2.5", "--labels", "--uncertainty"]
         options += ["--extent", "746000,4017000,749000,4020000", "--extent-crs", "EPSG:32616"]
         self.assertSameOutput(made, "densify", *options, "-o")
         self.assertSameOutput(diagnostics, "densify", *options, "-o", self.folder / "other.gpkg", "--diagnostics")
@@ -168,7 +168,7 @@ class Tools(Case):
     def test_mesh(self):
         made = self.folder / "made.ply"
         self.results("mesh", INPUT=NESTED, BASE=-5.5, OUTPUT=made)
-        self.assertSameOutput(made, "mesh", NESTED, "--base=-5.5", "-o")
+        self.assertSameOutput(made, "mesh", NESTED, "--base-height=-5.5", "-o")
 
     def test_contour(self):
         made = self.folder / "made.gpkg"

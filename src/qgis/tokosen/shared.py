@@ -248,7 +248,7 @@ LEVELS = text(
     "--levels", "Elevations instead of an interval", advanced=True, help="Separated by commas, for instance 12.5,13."
 )
 LEVEL_BASE = number(
-    "--base", "Elevation from which the levels count", default=0, unless=["LEVELS"], advanced=True
+    "--base-level", "Elevation from which the levels count", default=0, unless=["LEVELS"], advanced=True
 )
 LABELS = yes(
     "--labels",

@@ -19,7 +19,7 @@ a coordinate reference system is in feet; a .glb is always in metres. With a hei
 """
     options = [
         *shared.CONTOURS,
-        number("--base", "Height of the bottom of a closed solid [m]"),
+        number("--base-height", "Height of the bottom of a closed solid [m]"),
         *shared.TERRAIN,
         *shared.PART,
         *shared.SURFACE,
