@@ -15,7 +15,7 @@ use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Reprojection, Transform, converted};
 use crate::dem::compare::{Resampled, heights_at_places, heights_between};
 use crate::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
-use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
+use crate::surface::{InOther, Surface, SurfaceKind, height_map, heights_on};
 
 /// One side of a comparison.
 #[derive(Debug)]
@@ -248,14 +248,9 @@ impl Side {
             }
         };
         let to_side = |p: DVec2| converted(transform.as_ref(), p);
-        let values = match &transform {
-            None => heights(surface, grid, progress).values,
-            Some(_) => heights_on(surface, grid, &to_side, progress),
-        };
-        let mut dem = Dem { grid: *grid, values, crs: crs.cloned() };
         let from_side = |p: DVec2| transform.as_ref().map_or(Some(p), |transform| transform.inverse(p));
         let other = InOther { to_surface: &to_side, from_surface: &from_side };
-        drain_heights(surface, &mut dem, transform.is_some().then_some(other));
+        let mut dem = height_map(surface, grid, crs, transform.is_some().then_some(other), progress);
         if let Some(area) = &self.part {
             mask(&mut dem, area, &to_side);
         }

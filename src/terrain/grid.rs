@@ -14,9 +14,7 @@ use crate::drain::Pit;
 use crate::raster::Dem;
 use crate::spline::Wanted;
 use crate::subdomains::FrameRing;
-use crate::surface::{
-    InOther, Surface, drain_heights, follow_streams, heights, heights_on, pits_of, standard_errors, standard_errors_on,
-};
+use crate::surface::{InOther, Surface, height_map, pits_of, standard_errors, standard_errors_on};
 
 /// The cells that a height map is wanted at.
 #[derive(Debug, Clone, PartialEq)]
@@ -245,17 +243,8 @@ impl Cells {
     /// The heights of a surface at the centres of the cells over some ground.
     pub fn heights(&self, surface: &Surface, ground: &FrameRing, progress: &dyn Progress) -> Result<Dem> {
         let grid = self.grid(ground)?;
-        let mut dem = match &self.apart {
-            Some(Apart { crs, way }) => {
-                let values = heights_on(surface, &grid, &|p| way.forward(p), progress);
-                let mut dem = Dem { grid, values, crs: Some(crs.clone()) };
-                self.in_other(|other| other.map(|other| follow_streams(surface, &mut dem, other)));
-                dem
-            }
-            None => heights(surface, &grid, progress),
-        };
-        self.in_other(|other| drain_heights(surface, &mut dem, other));
-        Ok(dem)
+        let crs = self.crs(surface.map.crs.as_ref());
+        Ok(self.in_other(|other| height_map(surface, &grid, crs, other, progress)))
     }
 
     /// The pits of a height map of these cells, on the working plane.

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use rusqlite::Connection;
+use serde_json::Value;
 use tokosen::features::Role;
 use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_features};
@@ -145,4 +146,18 @@ fn what_is_wrong_with_streams_is_said_before_the_work() {
     let wrong = folder.ends("dem c.gpkg --cell 10 --streams point.geojson -o d.tif", 1);
     assert!(wrong.contains("no line") && wrong.contains("point.geojson"), "{wrong}");
     assert!(!folder.path("d.tif").exists());
+}
+
+/// A height map in other coordinates is compared with the surface that it was made from: both follow the streams.
+#[test]
+fn compare_and_dem_have_the_same_heights_along_streams_in_other_coordinates() {
+    let folder = folder();
+    folder.succeeds("dem c.gpkg --streams streams.gpkg --to-crs EPSG:4326 --cell-degrees 1s -o d.tif");
+    folder.succeeds("dem c.gpkg --to-crs EPSG:4326 --cell-degrees 1s -o without.tif");
+    let rmse = |command: &str| {
+        let told: Value = serde_json::from_str(&folder.succeeds(command)).unwrap();
+        told["overall"]["rmse"].as_f64().unwrap()
+    };
+    assert_eq!(rmse("compare c.gpkg d.tif --streams streams.gpkg --json"), 0.0);
+    assert!(rmse("compare without.tif d.tif --json") > 0.01, "the streams change nothing, so the test shows nothing");
 }

@@ -75,7 +75,7 @@ pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], cen
 }
 
 /// Brings a height map in other coordinates into agreement with the streams and river areas.
-pub fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_>) {
+pub(super) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_>) {
     let Dem { grid, values, .. } = dem;
     if surface.streams.is_empty() || grid.is_empty() {
         return;

@@ -155,7 +155,7 @@ fn triangles_in(surface: &Surface, grid: &Grid, to_surface: &(dyn Fn(DVec2) -> O
 
 /// Drains the pits of a height map of a surface, if all are to be drained: within the bands of the sub-domains as far as
 /// this is possible.
-pub fn drain_heights(surface: &Surface, dem: &mut Dem, other: Option<InOther<'_>>) {
+pub(super) fn drain_heights(surface: &Surface, dem: &mut Dem, other: Option<InOther<'_>>) {
     if surface.drain != Drain::All {
         return;
     }

@@ -16,6 +16,7 @@ mod drained;
 mod errors;
 mod given_lines;
 mod groups;
+mod height_map;
 mod known_lines;
 mod nodes;
 mod params;
@@ -25,19 +26,17 @@ mod skeleton_lines;
 mod smooth_height;
 mod trial_builder;
 
-#[doc(hidden)]
-pub use along_streams::follow_streams;
 pub use build::build;
 pub use built::Surface;
 #[doc(hidden)]
 pub use drained::InOther;
-#[doc(hidden)]
-pub use drained::drain_heights;
 #[doc(hidden)]
 pub use drained::pits_of;
 pub use drained::working_pits;
 pub use errors::{standard_errors, standard_errors_on};
 #[doc(hidden)]
 pub use given_lines::settle_lines;
+#[doc(hidden)]
+pub use height_map::height_map;
 pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 pub use sample::{heights, heights_on};
