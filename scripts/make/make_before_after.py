@@ -15,7 +15,7 @@ import tempfile
 from PIL import Image
 
 SAMPLES = pathlib.Path(__file__).resolve().parents[2] / "samples"
-EXTENT = "749000,4016950,753200,4021150"  # hills and a valley
+EXTENT = "749007,4016952,753201,4021146"  # hills and a valley; multiples of the cell size
 CELL = 9  # metres, one pixel
 GAP = 12  # pixels between both halves
 SURFACES = ("linear", "spline")
