@@ -223,6 +223,9 @@ impl FrameArgs {
 
     /// Sets the frame of an input; reads the boundary polygon if there is one.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
+        if self.no_extend && self.file().is_none() {
+            return Err(Failure::Usage("--no-extend is for a polygon in a file: give --frame FILE".into()));
+        }
         match &self.frame {
             // It was read already for a height map.
             FrameArg::File(_) if input.frame.polygon().is_some() => {}

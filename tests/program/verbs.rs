@@ -324,6 +324,7 @@ fn numbers_out_of_range() {
         ("densify hill.geojson -i 5 --levels 12 -o out.gpkg", "cannot be used with"),
         ("densify hill.geojson --levels nan -o out.gpkg", "NaN is no elevation"),
         ("densify hill.geojson -i 5 --base-level inf -o out.gpkg", "inf is no elevation"),
+        ("dem hill.geojson --cell 5 --frame hull --no-extend -o out.tif", "--no-extend is for a polygon"),
         ("densify hill.geojson --levels 12 --base-level 2 -o out.gpkg", "cannot be used with"),
         (
             "densify hill.geojson -i 5 -o out.gpkg --dem d.tif",

@@ -175,6 +175,9 @@ impl Recipe {
         }
         let frame = match &given.frame {
             GivenFrame::Area(source) => FrameRecipe::Area(vector(source, "frame")?),
+            GivenFrame::Named(_) if !given.extend => {
+                return Err(parameter(py, "extend=False is for polygons: give them as frame"));
+            }
             GivenFrame::Named(name) => match name.as_str() {
                 "auto" => FrameRecipe::Named(Frame::Auto),
                 "hull" => FrameRecipe::Named(Frame::Hull),

@@ -203,3 +203,8 @@ def test_threads_of_python_share_the_work():
     for thread in threads:
         thread.join()
     assert len(found) == 8 and all(np.array_equal(values, wanted, equal_nan=True) for values in found)
+
+
+def test_extend_needs_polygons():
+    with pytest.raises(ValueError, match="extend=False is for polygons"):
+        tokosen.dem(frame(), cell=10, extend=False)
