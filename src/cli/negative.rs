@@ -89,6 +89,7 @@ mod tests {
         ("-i", "-5,2", Taken),
         ("--base-level", "-12.5", Taken),
         ("--base-height", "-12.5", Taken),
+        ("--base", "-12.5", Taken),
         ("--index", "-5", Refused),
         ("--extent", "-10,-20,30,40.5", Taken),
         ("--extent", "-10.5 -20 30 40", Taken),
