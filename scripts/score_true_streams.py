@@ -108,8 +108,8 @@ def write_lines(path, lines, transform, crs):
 
 
 def write_contours(path, lines, levels, crs):
-    pyogrio.raw.write(path, geometry=shapely.to_wkb(lines), field_data=[np.asarray(levels)], fields=["elev"],
-                      geometry_type="LineString", crs=crs, driver="GPKG", layer="contours")
+    pyogrio.raw.write(path, geometry=shapely.to_wkb(shapely.force_3d(lines, levels)), field_data=[np.asarray(levels)], fields=["elev"],
+                      geometry_type="LineString Z", crs=crs, driver="GPKG", layer="contours")
 
 
 def run(o, folder, out, *options):
