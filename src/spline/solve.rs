@@ -12,10 +12,10 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, misses, residual, shrinkage, soft_spots, spots, stream_beds};
+use super::{curvature_gain, misses, residual, shrinkage, soft_spots, spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
-use crate::streams::Stream;
+use crate::streams::{Stream, follow};
 use crate::tuning::SplineTuning;
 
 /// The nodes per spacing of the grid that the weights of noisy contours and of streams are for.
@@ -60,6 +60,10 @@ pub fn spline(
         tuning,
     };
     let mut surveyed = conditions.surveyed();
+    if std::env::var("TOKOSEN_G").is_ok() {
+        let lines = conditions.streams.iter().flat_map(|stream| super::conditions::line_crossings(stream.known(), crate::base::Sure::Guessed, 0.0, &lattice));
+        surveyed.extend(lines.flatten());
+    }
     let variances = |half_way: f64, heights: &[f32], surveyed: &[(Crossing, f64)]| {
         let shrinkage = &tuning.shrinkage;
         let mut variances =
@@ -100,16 +104,15 @@ pub fn spline(
             curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
-    let breach = |heights: &mut [f32], limits: &Limits<'_>| problem.breach(heights, limits);
     let mut working = WorkingGrid { grid: *grid, heights };
     misses::add_misses(&mut working, conditions, [lo, hi]);
     let mut streams = conditions.streams.to_vec();
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    stream_beds::settle(&mut streams, &mut working, [lo, hi], interval, breach);
-    if streams.is_empty() {
-        // A way out of a pit may pass a spot height. Beside streams, bumps could make them rise.
-        spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    }
+    follow(&mut streams, |p| f64::from(working.at(p.truncate())));
+    // Between neighbouring contours no cut needs to be deeper.
+    problem.breach(&mut working.heights, &Limits { lo, depth: interval as f32 });
+    // A way out of a pit may pass a spot height.
+    spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
     progress.finish();
     (working, streams)
 }

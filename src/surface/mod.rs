@@ -26,6 +26,7 @@ mod smooth_height;
 mod trial_builder;
 
 pub(crate) use along_streams::follow_streams;
+pub use along_streams::largest_stream_change;
 pub use build::build;
 pub use built::Surface;
 pub use drained::working_pits;

@@ -55,7 +55,7 @@ pub fn with_skeleton(
 /// height of the ground, and the point would contradict them. Surveyed lines are to be further away than the contours
 /// around, and streams than [`SkeletonTuning::stream_clearance`] of that.
 fn clear_of_known(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>], tuning: &SkeletonTuning) -> Vec<bool> {
-    let segments = known.iter().flat_map(|line| {
+    let segments = known.iter().filter(|line| !line.is_stream).flat_map(|line| {
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
         let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
         let segments = ends.zip(sure).map(|([a, b], sure)| GeomWithData::new(Line::new(a, b), sure));
