@@ -18,7 +18,7 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     for stream in streams.iter_mut() {
         let Stream { points, sure, bands, .. } = stream;
         let guessed = points.iter_mut().zip(sure).zip(bands).filter(|((_, sure), _)| **sure < Sure::Exact);
-        for ((p, sure), band) in guessed {
+        for ((p, _), band) in guessed {
             let height = guess(*p);
             p.z = if height.is_nan() { p.z } else { band.strictly_inside(height) };
         }
