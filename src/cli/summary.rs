@@ -8,7 +8,7 @@ use tokosen::drain::Pit;
 use tokosen::skeleton::BreakKind;
 use tokosen::spline::HyperParameters;
 use tokosen::streams::Stream;
-use tokosen::surface::Surface;
+use tokosen::surface::{Surface, largest_stream_change};
 use tokosen::validate::{Chosen, Provenance, Reason};
 
 use super::console::Console;
@@ -118,6 +118,10 @@ pub fn surface(surface: &Surface, console: &Console) {
         console.say(&format!("water      {} areas, {heights} m", water().count()));
     }
     streams(&surface.streams, console);
+    let change = largest_stream_change(surface);
+    if change > surface.stream_tolerance {
+        console.say(&format!("           height maps change by up to {change:.2} m so that streams fall"));
+    }
     break_lines(&surface.creases, console);
     if let Some(chosen) = &surface.chosen {
         accuracy(chosen, console);

@@ -130,8 +130,7 @@ pub(super) fn line_crossings(
     let lengths = ways_between_contours(line);
     let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
     for ((w, sure), length) in line.points.windows(2).zip(sure).zip(lengths) {
-        let is_between = sure == Sure::Between;
-        if sure < least || is_between && length < reach {
+        if sure < least || sure == Sure::Between && length < reach {
             continue;
         }
         let (a, b) = (w[0].truncate(), w[1].truncate());
@@ -140,8 +139,7 @@ pub(super) fn line_crossings(
             let at = DVec2::new((node % lattice.cols) as f64, (node / lattice.cols) as f64) + crossing.along * step;
             let at = lattice.first + at * lattice.step * DVec2::new(1.0, -1.0);
             let share = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-            let kind = if is_between && line.is_stream { CrossingKind::Between } else { crossing.kind };
-            (Crossing { kind, ..crossing }, w[0].z + share * (w[1].z - w[0].z))
+            (crossing, w[0].z + share * (w[1].z - w[0].z))
         };
         lattice.cross(&[a, b], |c| east.push(height(c, DVec2::X)), |c| south.push(height(c, DVec2::Y)));
     }
@@ -195,20 +193,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn heights_of_streams_between_contours_count_less_than_those_of_other_lines() {
+    fn heights_of_lines_between_contours_count_on_long_ways_from_one_to_the_next() {
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 12, rows: 3 };
         let points: Vec<DVec3> = (0..=10).map(|k| DVec3::new(f64::from(k) + 0.5, -0.5, 20.0 - f64::from(k))).collect();
-        let kinds = |is_stream: bool, sure: Sure, reach: f64| -> Vec<CrossingKind> {
+        let crossings = |sure: Sure, reach: f64| {
             let sure = vec![sure; points.len()];
             let [east, south] =
-                line_crossings(KnownLine { points: &points, is_stream, sure: &sure }, Sure::Between, reach, &lattice);
+                line_crossings(KnownLine { points: &points, is_stream: false, sure: &sure }, Sure::Between, reach, &lattice);
             assert!(east.is_empty() && south.iter().all(|(c, z)| (z - (20.5 - f64::from(c.node))).abs() < 1e-9));
-            south.into_iter().map(|(crossing, _)| crossing.kind).collect()
+            south.len()
         };
-        assert_eq!(kinds(true, Sure::Between, 10.0), vec![CrossingKind::Between; 10]);
-        assert_eq!(kinds(false, Sure::Between, 10.0), vec![CrossingKind::Chord; 10]);
-        assert_eq!(kinds(true, Sure::Surveyed, 11.0), vec![CrossingKind::Chord; 10]);
-        assert_eq!(kinds(true, Sure::Between, 11.0), []);
-        assert_eq!(kinds(true, Sure::Guessed, 0.0), []);
+        assert_eq!([crossings(Sure::Between, 10.0), crossings(Sure::Between, 11.0)], [10, 0]);
+        assert_eq!([crossings(Sure::Surveyed, 11.0), crossings(Sure::Guessed, 0.0)], [10, 0]);
     }
 }

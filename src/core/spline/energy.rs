@@ -31,27 +31,23 @@ pub struct CrossingWeight {
     pub at_vertex: f64,
     /// On a [`CrossingKind::Chord`].
     pub on_chord: f64,
-    /// Where the height is that [`CrossingKind::Between`] contours.
-    pub between: f64,
 }
 
 impl CrossingWeight {
     /// One weight for all kinds of crossings.
     pub fn even(weight: f64) -> Self {
-        Self { at_vertex: weight, on_chord: weight, between: weight }
+        Self { at_vertex: weight, on_chord: weight }
     }
 
     /// Applies the same change to all weights.
     pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
-        let Self { at_vertex, on_chord, between } = self;
-        Self { at_vertex: change(at_vertex), on_chord: change(on_chord), between: change(between) }
+        Self { at_vertex: change(self.at_vertex), on_chord: change(self.on_chord) }
     }
 
     fn of(self, kind: CrossingKind) -> f64 {
         match kind {
             CrossingKind::Vertex => self.at_vertex,
             CrossingKind::Chord => self.on_chord,
-            CrossingKind::Between => self.between,
         }
     }
 }

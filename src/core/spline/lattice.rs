@@ -30,8 +30,6 @@ pub enum CrossingKind {
     /// The line is only a chord there, of the curve that it stands for.
     #[default]
     Chord,
-    /// A stream, whose height comes from the contours that it crosses near by.
-    Between,
 }
 
 /// Rows of nodes, from the north-west: the centres of a grid's cells, or every 2nd, 4th, ... row and column of them.

@@ -17,8 +17,8 @@
 //! The steps are in `solve`. First the surface is found on coarse lattices, then on finer ones (`stages`, `lattice`).
 //! On each, conjugate gradients between bounds (`minimise`, `tile`, `stencil`) minimise the energy in `energy`. Its
 //! weights follow the surface (`reweight`). Then heights shrink towards the centre of their band (`shrinkage`), ridges
-//! and valleys get their curvature gain (`curvature_gain`), dense contours are met (`misses`), pits are breached (`pits`), and heights are made to fall along
-//! streams (`stream_beds`).
+//! and valleys get their curvature gain (`curvature_gain`), dense contours are met (`misses`), streams get its heights
+//! and fall, and pits are breached (`pits`).
 
 mod blur;
 mod cliffs;
@@ -45,7 +45,6 @@ mod solve;
 mod spots;
 mod stages;
 mod stencil;
-mod stream_beds;
 mod tile;
 mod unevenness;
 mod wide;

@@ -1,7 +1,7 @@
 //! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching,
 //! streams.
 
-use super::conditions::{Conditions, spot_crossings};
+use super::conditions::{Conditions, line_crossings, spot_crossings};
 use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
 use super::lattice::{Crossing, Lattice};
@@ -12,13 +12,13 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, misses, residual, shrinkage, soft_spots, spots, stream_beds};
+use super::{curvature_gain, misses, residual, shrinkage, soft_spots, spots};
 use crate::base::progress::Progress;
-use crate::base::{Grid, parallel};
-use crate::streams::Stream;
+use crate::base::{Grid, Sure, parallel};
+use crate::streams::{Stream, follow};
 use crate::tuning::SplineTuning;
 
-/// The nodes per spacing of the grid that the weights of noisy contours and of streams are for.
+/// The nodes per spacing of the grid that the weight of noisy contours is for.
 const NODES_PER_SPACING: f64 = 6.0;
 
 /// Finds the smooth surface that meets the conditions, and the streams with its heights where theirs were guessed.
@@ -60,6 +60,9 @@ pub fn spline(
         tuning,
     };
     let mut surveyed = conditions.surveyed();
+    // Streams show the valleys. So the ground there gains no curvature, as if it were surveyed.
+    let along = |stream: &Stream| line_crossings(stream.known(), Sure::Guessed, 0.0, &lattice).concat();
+    surveyed.extend(conditions.streams.iter().flat_map(along));
     let variances = |half_way: f64, heights: &[f32], surveyed: &[(Crossing, f64)]| {
         let shrinkage = &tuning.shrinkage;
         let mut variances =
@@ -100,16 +103,16 @@ pub fn spline(
             curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
-    let breach = |heights: &mut [f32], limits: &Limits<'_>| problem.breach(heights, limits);
     let mut working = WorkingGrid { grid: *grid, heights };
     misses::add_misses(&mut working, conditions, [lo, hi]);
     let mut streams = conditions.streams.to_vec();
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    stream_beds::settle(&mut streams, &mut working, [lo, hi], interval, breach);
-    if streams.is_empty() {
-        // A way out of a pit may pass a spot height. Beside streams, bumps could make them rise.
-        spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    }
+    let use_min = std::env::var("TOKOSEN_MIN").is_ok();
+    follow(&mut streams, |p| f64::from(if use_min { working.lowest_around(p.truncate()) } else { working.at(p.truncate()) }));
+    // Between neighbouring contours no cut needs to be deeper.
+    problem.breach(&mut working.heights, &Limits { lo, depth: interval as f32 });
+    // A way out of a pit may pass a spot height.
+    spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
     progress.finish();
     (working, streams)
 }
@@ -144,13 +147,12 @@ fn bounded(
 
 /// Weight of the square at a crossing, against that of a second difference. The surface meets the contours within a
 /// thousandth of the interval. Vertices on edges of the lattice mean that the contours were cut from its nodes. The
-/// surface meets them as exactly as the steps allow. For noisy contours, and for streams between contours, the weight per
-/// length is the same on every grid.
+/// surface meets them as exactly as the steps allow. For noisy contours, the weight per length is the same on
+/// every grid.
 fn contour_weight(noise: f64, grid: &Grid, spacing: f64, tuning: &SplineTuning) -> CrossingWeight {
     let SplineTuning { contour_weight_at_vertex: at_vertex, contour_weight_on_chord: on_chord, .. } = *tuning;
     let cell = (grid.cell.x * grid.cell.y).sqrt();
     let per_length = (NODES_PER_SPACING * cell / spacing).powi(3);
     let noisy = tuning.noisy_contour_weight / (noise * noise) * per_length;
-    let between = tuning.stream_weight * per_length;
-    CrossingWeight { at_vertex, on_chord, between }.map(|weight| noisy.min(weight))
+    CrossingWeight { at_vertex, on_chord }.map(|weight| noisy.min(weight))
 }

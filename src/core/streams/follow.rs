@@ -4,24 +4,22 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::fall::fall;
 use super::line::Stream;
 use super::pool::pool;
 use crate::base::Sure;
 use crate::base::bits::bits;
 use crate::tin::NONE;
 
-/// Gives vertices whose height is a guess the height that `guess` has there, and those between contours the mean of it and
-/// of their own. Then heights fall along the network again, with as little change as possible (`pool`). Where streams part,
-/// some may still rise. There, the new height is the mean of the lowest one upstream and the highest one downstream, neither
-/// of which ever rises. `streams` come in an order in which each one follows those that flow into it.
+/// Gives vertices on no contour the height that `guess` has there. Then heights fall along the network again, with as little
+/// change as possible (`pool`). Where streams part, some may still rise; `fall` levels these. `streams` come in an order in
+/// which each one follows those that flow into it.
 pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     for stream in streams.iter_mut() {
         let Stream { points, sure, bands, .. } = stream;
         let guessed = points.iter_mut().zip(sure).zip(bands).filter(|((_, sure), _)| **sure < Sure::Exact);
-        for ((p, sure), band) in guessed {
-            // Between contours that are near, the curve knows the slope along the stream, and the surface the ground beside
-            // it.
-            let height = if *sure == Sure::Between { guess(*p).midpoint(p.z) } else { guess(*p) };
+        for ((p, _), band) in guessed {
+            let height = guess(*p);
             p.z = if height.is_nan() { p.z } else { band.strictly_inside(height) };
         }
     }
@@ -45,29 +43,12 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
         *at = at.min(most);
     }
     pool_guesses(streams);
-    // The lowest height upstream, and the highest one downstream, of each vertex.
-    let mut lowest: Vec<Vec<f64>> = Vec::with_capacity(streams.len());
-    let mut ends: HashMap<Option<[u64; 2]>, f64> = HashMap::new();
-    for stream in streams.iter() {
-        let mut least = ends.get(&first(stream)).copied().unwrap_or(f64::INFINITY);
-        let of_stream = stream.points.iter().map(|p| {
-            least = least.min(p.z);
-            least
-        });
-        lowest.push(of_stream.collect());
-        let at = ends.entry(last(stream)).or_insert(f64::INFINITY);
-        *at = at.min(least);
-    }
-    let mut starts: HashMap<Option<[u64; 2]>, f64> = HashMap::new();
-    for (stream, lowest) in streams.iter_mut().zip(&lowest).rev() {
-        let mut most = starts.get(&last(stream)).copied().unwrap_or(f64::NEG_INFINITY);
-        for (p, least) in stream.points.iter_mut().zip(lowest).rev() {
-            most = most.max(p.z);
-            p.z = most.midpoint(*least);
-        }
+    let ends: Vec<_> = streams.iter().map(Stream::ends).collect();
+    let mut heights: Vec<Vec<f64>> = streams.iter().map(|s| s.points.iter().map(|p| p.z).collect()).collect();
+    fall(&ends, &mut heights);
+    for (stream, heights) in streams.iter_mut().zip(heights) {
+        stream.points.iter_mut().zip(heights).for_each(|(p, z)| p.z = z);
         stay_inside(stream);
-        let at = starts.entry(first(stream)).or_insert(f64::NEG_INFINITY);
-        *at = at.max(most);
     }
 }
 
@@ -177,10 +158,10 @@ mod tests {
         // At the confluence and at the dam, water stands at their mean height. The source is strictly inside its band.
         assert_eq!(heights(&found[1]), [99.9, 70.0, 55.0]);
         assert_eq!(heights(&found[2]), [55.0, 55.0, 20.0]);
-        // Between contours that are near, its own height counts as much as the surface.
+        // Also between contours that are near.
         let mut found = streams(&[&[(0.0, 0.0, Some(90.0)), (1.0, 0.0, None), (4.0, 0.0, Some(20.0))]]);
         found[0].sure[1] = Sure::Between;
         follow(&mut found, |_| 40.0);
-        assert_eq!(heights(&found[0]), [90.0, 45.0, 20.0]);
+        assert_eq!(heights(&found[0]), [90.0, 40.0, 20.0]);
     }
 }

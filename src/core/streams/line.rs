@@ -7,6 +7,9 @@ use crate::base::bits::bits;
 use crate::base::{FeatureId, KnownLine, Sure};
 use crate::subdomains::Band;
 
+/// Where a line begins and ends.
+pub(super) type Ends = [[u64; 2]; 2];
+
 /// A stream as a map draws it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamLine {
@@ -63,7 +66,7 @@ impl Stream {
     }
 
     /// Where it begins and ends; `None` without points. Where streams meet, their ends are equal.
-    pub(super) fn ends(&self) -> Option<[[u64; 2]; 2]> {
+    pub(super) fn ends(&self) -> Option<Ends> {
         let ends = self.points.first().zip(self.points.last());
         ends.map(|(first, last)| [first, last].map(|p| bits(p.truncate())))
     }

@@ -13,10 +13,10 @@
 //! 5. A reach that crosses a contour more than once is moved along this contour, or cut (`descend`).
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
-//! 7. Where contours are far, heights follow a surface; elsewhere between contours, they come half-way to it (`follow`). They
-//!    are made to fall by isotonic regression on the network (`pool`).
+//! 7. Between contours, heights follow the smooth surface (`follow`). They are made to fall by isotonic regression on the
+//!    network (`pool`).
 //! 8. The banks of river areas get the heights of the streams between them (`areas`).
-//! 9. On a grid, the cells along streams hold their water (`on_grid`).
+//! 9. On a grid, the cells along streams come near to the heights of the streams (`on_grid`).
 //!
 //! What was changed, cut or left out is a finding.
 
@@ -26,6 +26,7 @@ mod beside;
 mod chords;
 mod descend;
 mod direction;
+mod fall;
 mod follow;
 mod line;
 mod longest;
@@ -40,5 +41,5 @@ mod shift;
 pub(crate) use areas::banks;
 pub(crate) use follow::follow;
 pub use line::{RiverArea, Stream, StreamLine, Streams};
-pub(crate) use on_grid::{AreaLevels, Ways, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
+pub(crate) use on_grid::{AreaLevels, Ways};
 pub(crate) use settle::settle;

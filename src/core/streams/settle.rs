@@ -174,10 +174,9 @@ fn guess_ends(by_distance: &Heights<'_>, edges: &mut [Edge]) {
     }
 }
 
-/// Heights of the vertices of streams that contours are far from: the mean of the curve along the stream and of equation
-/// (1). One knows the slope of the stream, the other the ground beside it.
+/// Heights of the vertices of streams on no contour: the mean of the curve along the stream and of equation (1). One knows the slope of the stream, the other the ground beside it.
 fn guess_between(by_distance: &Heights<'_>, edges: &[&Edge], streams: &mut [Stream]) {
-    let is_guessed = |stream: &Stream, k: usize| stream.sure[k] == Sure::Guessed;
+    let is_guessed = |stream: &Stream, k: usize| stream.sure[k] < Sure::Exact;
     let mut places = Vec::new();
     for (edge, stream) in edges.iter().zip(&*streams) {
         let vertices =

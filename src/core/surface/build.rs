@@ -85,12 +85,14 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         {
             progress.start(spline::STEP, 0);
             let lines: Vec<KnownLine<'_>> = known(&own_streams, &creases).collect();
+            // What a stream knows between contours is a guess, and the surface knows better.
+            let surveyed = creases.iter().map(Crease::known).collect();
             let of_map = conditions(&subdivision, &break_lines, &lines, grid, (&params.cliffs, cliff_reach));
             let mut conditions = Conditions {
                 soft_spots: &soft_spots,
                 drainage: Drainage { drain: params.drain, sinks: &own_sinks },
                 streams: &own_streams,
-                known: lines,
+                known: surveyed,
                 ..of_map
             };
             conditions.creases.extend(own_streams.iter().map(|stream| (Fold::Found, stream.known().course())));
@@ -160,6 +162,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         closures,
         break_lines,
         streams,
+        stream_tolerance: tuning.streams.cell_tolerance * interval.step,
         river_areas: params.streams.areas.clone(),
         creases,
         drain: params.drain,

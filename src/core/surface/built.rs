@@ -28,6 +28,8 @@ pub struct Surface {
     pub break_lines: Vec<BreakLine>,
     /// The streams as they are used.
     pub streams: Vec<Stream>,
+    /// How far cells of height maps may be from the height of the stream through them, metres.
+    pub stream_tolerance: f64,
     /// The given river areas: height maps are level across them.
     pub river_areas: Vec<RiverArea>,
     /// The given break lines as they are used.

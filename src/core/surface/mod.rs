@@ -26,6 +26,7 @@ mod skeleton_lines;
 mod smooth_height;
 mod trial_builder;
 
+pub use along_streams::largest_stream_change;
 pub use build::build;
 pub use built::Surface;
 #[doc(hidden)]

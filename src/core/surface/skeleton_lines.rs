@@ -53,9 +53,10 @@ pub fn with_skeleton(
 
 /// For each axis point: whether it keeps clear of the lines whose heights are known. Near one, its own vertices tell the
 /// height of the ground, and the point would contradict them. Surveyed lines are to be further away than the contours
-/// around, and streams than [`SkeletonTuning::stream_clearance`] of that.
+/// around, and banks of river areas than [`SkeletonTuning::stream_clearance`] of that. Streams know their heights between contours
+/// less well than these points.
 fn clear_of_known(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>], tuning: &SkeletonTuning) -> Vec<bool> {
-    let segments = known.iter().flat_map(|line| {
+    let segments = known.iter().filter(|line| !line.is_stream).flat_map(|line| {
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
         let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
         let segments = ends.zip(sure).map(|([a, b], sure)| GeomWithData::new(Line::new(a, b), sure));
@@ -67,7 +68,6 @@ fn clear_of_known(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>], tuning: &Skel
         let corners = tin.corners(point.triangle).into_iter();
         let room = corners.map(|corner| corner.distance_squared(point.position)).fold(f64::INFINITY, f64::min);
         let at = point.position.to_array();
-        // Where a stream runs straight from contour to contour, both ends of a segment are exact, but nothing is surveyed.
         let is_close = |segment: &GeomWithData<Line<[f64; 2]>, Sure>| {
             segment.data == Sure::Surveyed || segment.distance_2(&at) <= clearance * room
         };

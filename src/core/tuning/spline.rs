@@ -35,12 +35,6 @@ tuned! {
         ///
         /// Refit: RMSE, on contours of unsmoothed lidar.
         noisy_contour_weight: f64 = 4.0,
-        /// The same for a stream whose height comes from the contours that it crosses. This height is only a guess.
-        ///
-        /// Tried 0.02 and 0.5: the RMSE near streams of seven maps changes by +0.2 % and +0.6 %.
-        ///
-        /// Refit: RMSE near streams; how much heights rise along them.
-        stream_weight: f64 = 0.1,
         /// Heights of a line between two contours count if it runs over at least so many nodes from one to the other. Where
         /// contours are denser, they say more than the line.
         ///

@@ -22,6 +22,11 @@ tuned! {
         ///
         /// Refit: RMSE.
         sure_reach: f64 = 4.0,
+        /// How far cells of height maps may be from the height of the stream through them, as a share of the contour
+        /// interval. Cells that are nearer, and fall, stay.
+        ///
+        /// Refit: RMSE near streams (`scripts/score_true_streams.py`).
+        cell_tolerance: f64 = 0.04,
         /// How far beside its valley a stream is looked for, in tolerances.
         beside_reach: f64 = 6.0,
         /// Length of the arms by which a crossing is seen to lie in a bend or on a slope, in tolerances.
