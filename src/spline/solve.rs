@@ -107,8 +107,7 @@ pub fn spline(
     misses::add_misses(&mut working, conditions, [lo, hi]);
     let mut streams = conditions.streams.to_vec();
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    let use_min = std::env::var("TOKOSEN_MIN").is_ok();
-    follow(&mut streams, |p| f64::from(if use_min { working.lowest_around(p.truncate()) } else { working.at(p.truncate()) }));
+    follow(&mut streams, |p| f64::from(working.at(p.truncate())));
     // Between neighbouring contours no cut needs to be deeper.
     problem.breach(&mut working.heights, &Limits { lo, depth: interval as f32 });
     // A way out of a pit may pass a spot height.
