@@ -268,7 +268,8 @@ fn the_frame_follows_the_surface_between_distant_ends_of_contours() {
     for (p, &on_triangles) in on_edge {
         let grid = Grid { corner: p + DVec2::new(-0.01, 0.01), cell: DVec2::splat(0.02), cols: 1, rows: 1 };
         let smooth = heights(&surface, &grid, &()).values[0];
-        assert!((on_triangles - f64::from(smooth)).abs() < 0.01, "{p} {on_triangles} {smooth}");
+        // Where the surface would leave its band, a cell lies on the level, and a vertex inside it by a thousandth of the band.
+        assert!((on_triangles - f64::from(smooth)).abs() <= 0.01, "{p} {on_triangles} {smooth}");
     }
 }
 

@@ -159,5 +159,8 @@ fn compare_and_dem_have_the_same_heights_along_streams_in_other_coordinates() {
         told["overall"]["rmse"].as_f64().unwrap()
     };
     assert_eq!(rmse("compare c.gpkg d.tif --streams streams.gpkg --json -q"), 0.0);
-    assert!(rmse("compare without.tif d.tif --json -q") > 0.01, "the streams change nothing, so the test shows nothing");
+    assert!(
+        rmse("compare without.tif d.tif --json -q") > 0.01,
+        "the streams change nothing, so the test shows nothing"
+    );
 }

@@ -60,9 +60,6 @@ pub fn spline(
         tuning,
     };
     let mut surveyed = conditions.surveyed();
-    // Streams show the valleys. So the ground there gains no curvature, as if it were surveyed.
-    let along = |stream: &Stream| line_crossings(stream.known(), Sure::Guessed, 0.0, &lattice).concat();
-    surveyed.extend(conditions.streams.iter().flat_map(along));
     let variances = |half_way: f64, heights: &[f32], surveyed: &[(Crossing, f64)]| {
         let shrinkage = &tuning.shrinkage;
         let mut variances =
@@ -88,13 +85,19 @@ pub fn spline(
     progress.start(STEP, 0);
     if hyper_parameters.half_way_error > 0.0 {
         let (half_way, shrinkage) = (hyper_parameters.half_way_error, &tuning.shrinkage);
+        let of_gain = (!conditions.streams.is_empty()).then(|| {
+            // Streams show the valleys already. So the ground there gains no curvature, as if it were surveyed.
+            let along = |stream: &Stream| line_crossings(stream.known(), Sure::Guessed, 0.0, &lattice).concat();
+            let known: Vec<_> = conditions.streams.iter().flat_map(along).chain(surveyed.iter().copied()).collect();
+            variances(half_way, &heights, &known)
+        });
         let variances = variances(half_way, &heights, &surveyed);
         shrinkage::shrink(&mut heights, [lo, hi], &variances, shrinkage.max_share);
         if hyper_parameters.curvature_gain > 0.0 {
             let unit_gain = curvature_gain::unit_gain(
                 &heights,
                 [lo, hi],
-                (&variances, &problem.wide),
+                (of_gain.as_ref().unwrap_or(&variances), &problem.wide),
                 *spacing,
                 &lattice,
                 interval,
@@ -107,8 +110,7 @@ pub fn spline(
     misses::add_misses(&mut working, conditions, [lo, hi]);
     let mut streams = conditions.streams.to_vec();
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    let use_min = std::env::var("TOKOSEN_MIN").is_ok();
-    follow(&mut streams, |p| f64::from(if use_min { working.lowest_around(p.truncate()) } else { working.at(p.truncate()) }));
+    follow(&mut streams, |p| f64::from(working.at(p.truncate())));
     // Between neighbouring contours no cut needs to be deeper.
     problem.breach(&mut working.heights, &Limits { lo, depth: interval as f32 });
     // A way out of a pit may pass a spot height.

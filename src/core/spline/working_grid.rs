@@ -76,21 +76,6 @@ impl WorkingGrid {
         is_on.then(|| place.y as usize * self.grid.cols + place.x as usize)
     }
 
-    /// The lowest of the nodes around a position, NaN off the grid.
-    pub(crate) fn lowest_around(&self, p: DVec2) -> f32 {
-        let place = Lattice::of_grid(&self.grid).place(p);
-        let [first, last] = [(place + ON_NODE).floor(), (place - ON_NODE).ceil()];
-        let end = DVec2::new(self.grid.cols as f64, self.grid.rows as f64);
-        if first.cmplt(DVec2::ZERO).any() || last.cmpge(end).any() {
-            return self.at(p);
-        }
-        let node = |x: f64, y: f64| self.heights[y as usize * self.grid.cols + x as usize];
-        [(first.x, first.y), (last.x, first.y), (first.x, last.y), (last.x, last.y)]
-            .into_iter()
-            .map(|(x, y)| node(x, y))
-            .fold(f32::NAN, f32::min)
-    }
-
     /// The height at a position. A node's own height within a millionth of a cell, otherwise interpolated from the sixteen
     /// nodes around by cubic convolution. Nodes beyond the frame are extrapolated linearly from those inside. NaN where none
     /// of the four nodes around is inside.
