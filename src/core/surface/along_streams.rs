@@ -8,8 +8,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::on_contours;
-use super::drained::InOther;
-use super::sample::triangle_at;
+use super::places::{InOther, triangle_at};
 use crate::base::Grid;
 use crate::drain::{Placed, cells_in};
 use crate::raster::Dem;

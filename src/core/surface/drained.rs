@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::{is_hollow, on_contours};
-use super::sample::triangle_at;
+use super::places::{InOther, triangle_at};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Grid, parallel};
 use crate::drain::{
@@ -78,15 +78,6 @@ fn about_sink(sink: &Sink, kind: FindingKind, what: &str) -> Finding {
 
 fn is_water(regions: &Regions, t: u32) -> bool {
     t != NONE && regions.region(t).is_some_and(|region| region.water.is_some())
-}
-
-/// A grid in some coordinates, and the conversion between them and those of the surface.
-#[derive(Clone, Copy)]
-pub struct InOther<'a> {
-    /// From the coordinates of the grid to those of the surface.
-    pub to_surface: &'a (dyn Fn(DVec2) -> Option<DVec2> + Sync),
-    /// And back.
-    pub from_surface: &'a (dyn Fn(DVec2) -> Option<DVec2> + Sync),
 }
 
 /// What is known about the ground at the cells of a height map.

@@ -2,7 +2,8 @@
 
 use super::along_streams::follow_streams;
 use super::built::Surface;
-use super::drained::{InOther, drain_heights};
+use super::drained::drain_heights;
+use super::places::InOther;
 use super::sample::{heights, heights_on};
 use crate::base::Grid;
 use crate::base::progress::Progress;

@@ -21,6 +21,7 @@ mod known_lines;
 mod nodes;
 mod params;
 mod parted;
+mod places;
 mod sample;
 mod skeleton_lines;
 mod smooth_height;
@@ -30,8 +31,6 @@ pub use along_streams::largest_stream_change;
 pub use build::build;
 pub use built::Surface;
 #[doc(hidden)]
-pub use drained::InOther;
-#[doc(hidden)]
 pub use drained::pits_of;
 pub use drained::working_pits;
 pub use errors::{standard_errors, standard_errors_on};
@@ -40,4 +39,6 @@ pub use given_lines::settle_lines;
 #[doc(hidden)]
 pub use height_map::height_map;
 pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+#[doc(hidden)]
+pub use places::InOther;
 pub use sample::{heights, heights_on};

@@ -6,10 +6,11 @@ use super::along_streams::{Centres, flow_along};
 use super::between_nodes::BetweenNodes;
 use super::built::Surface;
 use super::conditions::on_contours;
+use super::places::triangle_at;
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
 use crate::raster::{Dem, height, locate, rasterise};
-use crate::tin::{NONE, Tin};
+use crate::tin::NONE;
 
 /// Rows per task: enough to be worth a task.
 const BAND_ROWS: usize = 16;
@@ -88,24 +89,4 @@ pub fn heights_on(
     });
     progress.finish();
     values
-}
-
-/// The triangle at a position, if there are heights. The search starts at the triangle `near`, which becomes the last one
-/// that it came to.
-pub(crate) fn triangle_at(surface: &Surface, near: &mut u32, p: DVec2) -> Option<u32> {
-    let tin = &surface.tin;
-    let found = tin.walk(*near, p - tin.origin);
-    *near = found.unwrap_or_else(|left| left);
-    found.ok().and_then(|t| with_height(tin, t, p - tin.origin))
-}
-
-/// Triangle `t` if it is inside the frame and has heights. Otherwise a neighbour that is, if the place lies on their
-/// common edge.
-fn with_height(tin: &Tin, t: u32, place: DVec2) -> Option<u32> {
-    let good = |t: u32| tin.is_inside(t) && tin.corner_heights(t).iter().all(|h| !h.is_nan());
-    if good(t) {
-        return Some(t);
-    }
-    let mut around = tin.neighbours[t as usize].into_iter();
-    around.find(|&n| n != NONE && good(n) && tin.holds(n, place))
 }
