@@ -198,8 +198,12 @@ mod tests {
         let points: Vec<DVec3> = (0..=10).map(|k| DVec3::new(f64::from(k) + 0.5, -0.5, 20.0 - f64::from(k))).collect();
         let crossings = |sure: Sure, reach: f64| {
             let sure = vec![sure; points.len()];
-            let [east, south] =
-                line_crossings(KnownLine { points: &points, is_stream: false, sure: &sure }, Sure::Between, reach, &lattice);
+            let [east, south] = line_crossings(
+                KnownLine { points: &points, is_stream: false, sure: &sure },
+                Sure::Between,
+                reach,
+                &lattice,
+            );
             assert!(east.is_empty() && south.iter().all(|(c, z)| (z - (20.5 - f64::from(c.node))).abs() < 1e-9));
             south.len()
         };
