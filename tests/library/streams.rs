@@ -76,9 +76,18 @@ fn a_stream_drawn_upstream_beside_the_tips_is_turned_and_moved_into_them() {
         let tip = DVec3::new(0.0, 100.0 * f64::from(k), 10.0 * f64::from(k));
         assert!(stream.points.contains(&tip), "{k}: {:?}", stream.points);
     }
-    // Between the tips it lies in the valley.
+    // Between the tips it lies in the valley. Beyond the outermost contours it has the heights of the surface without it.
+    let (without, _) = built(valley(), &[], None);
     for p in &stream.points {
-        assert!((p.z - p.y / 10.0).abs() < 1.0, "{p}");
+        let (between, wanted) = match (100.0..=500.0).contains(&p.y) {
+            true => ("between", p.y / 10.0),
+            false => {
+                let corner = p.truncate() + DVec2::new(-0.5, 0.5);
+                let grid = Grid { corner, cell: DVec2::ONE, cols: 1, rows: 1 };
+                ("beyond", f64::from(heights(&without, &grid, &()).values[0]))
+            }
+        };
+        assert!((p.z - wanted).abs() < 1.0, "{between} the contours: {p}, not {wanted}");
     }
     assert_eq!(rise(&surface, &stream.points, 10.0), 0.0);
     assert_eq!(rise(&surface, &stream.points, 7.0), 0.0);
