@@ -37,11 +37,13 @@ pub(crate) struct Settled {
 
 /// Brings streams into agreement with a map and its triangulation. The middle lines of river areas that no stream runs
 /// through are streams too. `by_distance` gives heights by equation (1). `spacing` is the mean spacing of the contours.
+/// Heights that are less sure than `known_from` are the mean of the curve along the stream and of the ground beside it.
 pub(crate) fn settle(
     streams: &Streams,
     (map, tin, regions): (&ContourMap, &Tin, &Regions),
     by_distance: &Heights<'_>,
     spacing: f64,
+    known_from: Sure,
     tuning: &StreamTuning,
 ) -> Settled {
     let snap = tuning.snap * spacing;
@@ -119,7 +121,7 @@ pub(crate) fn settle(
         }
     };
     let mut used: Vec<Stream> = downstream.iter().map(|&e| stream(e)).collect();
-    guess_between(by_distance, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
+    guess_between(by_distance, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used, known_from);
     Settled { streams: used, findings }
 }
 
@@ -174,9 +176,10 @@ fn guess_ends(by_distance: &Heights<'_>, edges: &mut [Edge]) {
     }
 }
 
-/// Heights of the vertices of streams on no contour: the mean of the curve along the stream and of equation (1). One knows the slope of the stream, the other the ground beside it.
-fn guess_between(by_distance: &Heights<'_>, edges: &[&Edge], streams: &mut [Stream]) {
-    let is_guessed = |stream: &Stream, k: usize| stream.sure[k] < Sure::Exact;
+/// Heights of the vertices of streams that are less sure than `known_from`: the mean of the curve along the stream and of
+/// equation (1). One knows the slope of the stream, the other the ground beside it.
+fn guess_between(by_distance: &Heights<'_>, edges: &[&Edge], streams: &mut [Stream], known_from: Sure) {
+    let is_guessed = |stream: &Stream, k: usize| stream.sure[k] < known_from;
     let mut places = Vec::new();
     for (edge, stream) in edges.iter().zip(&*streams) {
         let vertices =

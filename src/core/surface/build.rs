@@ -230,7 +230,11 @@ fn triangulated(
             None => skeleton(&subdivision.tin, &subdivision.regions, params.resolution, tuning),
         }
     });
-    let finer = || skeleton.map(|skeleton| finer(&subdivision, triangulation, skeleton, &known, tuning)).transpose();
+    // The smooth surface knows the ground along streams better than they do. So points near them stay.
+    let is_clear_of = |line: &&KnownLine<'_>| params.kind == SurfaceKind::Skeleton || !line.is_stream;
+    let clear_of: Vec<KnownLine<'_>> = known.iter().filter(is_clear_of).copied().collect();
+    let finer =
+        || skeleton.map(|skeleton| finer(&subdivision, triangulation, skeleton, &known, &clear_of, tuning)).transpose();
     let largest = groups.largest();
     let of_map = |map: &ContourMap| {
         let chosen = match &largest {

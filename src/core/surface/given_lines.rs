@@ -37,7 +37,10 @@ pub fn settle_lines<'a>(
     if !params.streams.lines.is_empty() || !params.streams.areas.is_empty() {
         progress.start("streams", 0);
         let heights = given.heights.get_or_insert_with(|| Heights::new(tin, regions));
-        let settled = streams::settle(&params.streams, (map, tin, regions), heights, spacing, &params.tuning.streams);
+        // Without a smooth surface, the curve along a stream is what is known between near contours.
+        let known_from = if params.kind == SurfaceKind::Skeleton { Sure::Between } else { Sure::Exact };
+        let tuning = &params.tuning.streams;
+        let settled = streams::settle(&params.streams, (map, tin, regions), heights, spacing, known_from, tuning);
         given.streams = settled.streams;
         given.findings.extend(settled.findings);
         progress.finish();

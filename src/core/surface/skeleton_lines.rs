@@ -19,17 +19,19 @@ pub struct Finer {
     pub tin: Tin,
 }
 
-/// Triangulates with ridge and canyon lines, and with the `known` lines. `triangulation` is the one of `subdivision`.
+/// Triangulates with ridge and canyon lines, and with the `known` lines. Points of ridge and canyon lines keep clear of those in
+/// `clear_of`. `triangulation` is the one of `subdivision`.
 pub fn finer(
     subdivision: &Subdivision,
     mut triangulation: Triangulation,
     Skeleton { mut axis, flow, lines, .. }: Skeleton,
     known: &[KnownLine<'_>],
+    clear_of: &[KnownLine<'_>],
     tuning: &SkeletonTuning,
 ) -> Result<Finer> {
     let mut heights = flow.heights;
-    if !known.is_empty() {
-        let is_clear = clear_of_known(&subdivision.tin, &axis, known, tuning);
+    if !clear_of.is_empty() {
+        let is_clear = clear_of_known(&subdivision.tin, &axis, clear_of, tuning);
         axis.retain(&is_clear);
         let mut is_clear = is_clear.into_iter();
         heights.retain(|_| is_clear.next().unwrap_or(false));
@@ -53,10 +55,9 @@ pub fn with_skeleton(
 
 /// For each axis point: whether it keeps clear of the lines whose heights are known. Near one, its own vertices tell the
 /// height of the ground, and the point would contradict them. Surveyed lines are to be further away than the contours
-/// around, and banks of river areas than [`SkeletonTuning::stream_clearance`] of that. Streams know their heights between contours
-/// less well than these points.
+/// around, and streams and banks of river areas than [`SkeletonTuning::stream_clearance`] of that.
 fn clear_of_known(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>], tuning: &SkeletonTuning) -> Vec<bool> {
-    let segments = known.iter().filter(|line| !line.is_stream).flat_map(|line| {
+    let segments = known.iter().flat_map(|line| {
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
         let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
         let segments = ends.zip(sure).map(|([a, b], sure)| GeomWithData::new(Line::new(a, b), sure));

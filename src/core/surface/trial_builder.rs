@@ -22,7 +22,7 @@ impl SurfaceBuilder for TrialBuilder<'_> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
         let triangulation = std::mem::take(&mut subdivision.triangulation);
         let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, self.tuning);
-        let finer = finer(&subdivision, triangulation, skeleton, &[], self.tuning).ok()?;
+        let finer = finer(&subdivision, triangulation, skeleton, &[], &[], self.tuning).ok()?;
         let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
         Some((subdivision, break_lines))
     }
