@@ -16,8 +16,11 @@ NO_ARGUMENTS = {
 }
 # Names that differ: a flag that switches something off is an argument that is true.
 RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}
-# Flags whose work is another function or a method of the result.
+# Flags whose work is another function or a method of the result: `Dem.to_file` has the unit of a height map, and a `Dem` its
+# own system.
 LEFT_OUT = {
+    "dem": {"to-unit"},
+    "contour": {"crs"},
     "densify": {"dem", "cell", "cell-degrees", "like", "compare"},
     "skeleton": {"triangles", "curve-mesh"},
     "derive": {
