@@ -6,14 +6,14 @@ use geo::{BoundingRect, Coord, Intersects, MultiPolygon, Rect};
 use glam::DVec2;
 
 use super::grid::Cells;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::base::progress::{Progress, step};
-use crate::contour::Interval;
-use crate::crs::{Reprojection, Transform, converted};
-use crate::dem::compare::heights_between;
-use crate::dem::join::{Join, join};
-use crate::raster::{Dem, looks_like_degrees};
-use crate::subdomains::FrameRing;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::contour::Interval;
+use tokosen_core::crs::{Reprojection, Transform, converted};
+use tokosen_core::dem::compare::heights_between;
+use tokosen_core::dem::join::{Join, join};
+use tokosen_core::raster::{Dem, looks_like_degrees};
+use tokosen_core::subdomains::FrameRing;
 
 /// A base that is further from the surface along the border than this is doubtful, in contour intervals. Contours of
 /// usual accuracy are nearly all within it.

@@ -7,14 +7,14 @@ use geo::MultiPolygon;
 use geo::{BooleanOps, Polygon};
 use glam::{DVec2, DVec3};
 
-use crate::base::bits::bits;
-use crate::contour::{Contour, ContourMap, clip};
-#[cfg(feature = "io")]
-use crate::io::layer::{Layer, Row, Shape};
-use crate::skeleton::{BreakLine, JunctionEdge, LineEnd, Skeleton};
-use crate::streams::Stream;
-use crate::subdivision::Subdivision;
+use tokosen_core::base::bits::bits;
+use tokosen_core::contour::{Contour, ContourMap, clip};
 use tokosen_core::geometry::{Border, Segment, point_distance};
+use tokosen_core::skeleton::{BreakLine, JunctionEdge, LineEnd, Skeleton};
+use tokosen_core::streams::Stream;
+use tokosen_core::subdivision::Subdivision;
+#[cfg(feature = "io")]
+use tokosen_io::layer::{Layer, Row, Shape};
 
 /// Cuts the ridge and canyon lines of a skeleton at the border of an area.
 pub fn clip_skeleton(skeleton: &mut Skeleton, area: &MultiPolygon<f64>) {

@@ -8,14 +8,14 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::facade::Terrain;
-use crate::base::error::{Error, Result};
-use crate::base::progress::{Progress, step};
-use crate::base::{ElevationUnit, Grid};
-use crate::contour::{Interval, SpotHeights};
-use crate::crs::{Crs, Reprojection, Transform, converted};
-use crate::dem::compare::{Resampled, heights_at_places, heights_between};
-use crate::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
-use crate::surface::{InOther, Surface, SurfaceKind, height_map, heights_on};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::base::{ElevationUnit, Grid};
+use tokosen_core::contour::{Interval, SpotHeights};
+use tokosen_core::crs::{Crs, Reprojection, Transform, converted};
+use tokosen_core::dem::compare::{Resampled, heights_at_places, heights_between};
+use tokosen_core::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
+use tokosen_core::surface::{InOther, Surface, SurfaceKind, height_map, heights_on};
 
 /// One side of a comparison.
 #[derive(Debug)]

@@ -3,11 +3,11 @@
 use geo::MultiPolygon;
 
 use super::part::box_area;
-use crate::base::error::Result;
-use crate::crs::{Crs, Reprojection};
+use tokosen_core::base::error::Result;
+use tokosen_core::crs::{Crs, Reprojection};
+use tokosen_core::raster::Dem;
 #[cfg(feature = "io")]
-use crate::io::{ReadOptions, VectorSource, read_area};
-use crate::raster::Dem;
+use tokosen_io::{ReadOptions, VectorSource, read_area};
 
 /// An area in the coordinates of a height map. It is in them already if `crs` is `None`.
 ///
@@ -42,8 +42,8 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::base::Grid;
-    use crate::crs::Transform;
+    use tokosen_core::base::Grid;
+    use tokosen_core::crs::Transform;
 
     #[test]
     fn borders_are_as_exact_over_degrees_as_over_metres() {

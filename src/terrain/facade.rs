@@ -7,16 +7,16 @@ use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
 use super::part::drop_outside;
-use crate::base::ElevationUnit;
-use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::base::progress::Progress;
-use crate::contour::Target;
-use crate::contour::{ContourLayer, clip_lines};
-use crate::crs::{Crs, FromWorking, Reprojection};
-use crate::layers::{LayerParams, contour_layers};
-use crate::mesh::{Mesh, MeshParams, mesh};
-use crate::subdomains::{FrameRing, MapExtent, frame_ring};
-use crate::surface::{Surface, build};
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
+use tokosen_core::base::progress::Progress;
+use tokosen_core::contour::Target;
+use tokosen_core::contour::{ContourLayer, clip_lines};
+use tokosen_core::crs::{Crs, FromWorking, Reprojection};
+use tokosen_core::layers::{LayerParams, contour_layers};
+use tokosen_core::mesh::{Mesh, MeshParams, mesh};
+use tokosen_core::subdomains::{FrameRing, MapExtent, frame_ring};
+use tokosen_core::surface::{Surface, build};
 
 /// The ground between contours, and the findings about them.
 ///
@@ -107,7 +107,7 @@ impl Terrain {
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
-    /// [`Interval`](crate::contour::Interval)s or [`Target`]s. Every fifth level is an index contour.
+    /// [`Interval`](tokosen_core::contour::Interval)s or [`Target`]s. Every fifth level is an index contour.
     ///
     /// # Errors
     /// As [`contour_layers`].

@@ -7,14 +7,14 @@ use super::compare::{Kind, Pair, Side};
 use super::grid::GridSpec;
 use super::measure::add_check_points;
 use super::units::Elevations;
-use crate::base::ElevationUnit;
-use crate::base::error::{Finding, FindingKind, Report, Result};
-use crate::base::progress::{Progress, step};
-use crate::check::placeholder_heights;
-use crate::contour::SpotHeights;
-use crate::dem::compare::Comparison;
-use crate::io::raster::{DemRows, open_dem, read_grid};
-use crate::io::{ReadOptions, VectorSource, read_spot_heights};
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Finding, FindingKind, Report, Result};
+use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::check::placeholder_heights;
+use tokosen_core::contour::SpotHeights;
+use tokosen_core::dem::compare::Comparison;
+use tokosen_io::raster::{DemRows, open_dem, read_grid};
+use tokosen_io::{ReadOptions, VectorSource, read_spot_heights};
 
 impl GridSpec {
     /// The cells of a raster; only its header is read.

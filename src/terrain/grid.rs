@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::outline::Outline;
-use crate::base::Grid;
-use crate::base::error::{CrsNeed, Error, Result};
-use crate::base::memory;
-use crate::base::progress::Progress;
-use crate::crs::{Crs, Reprojection, Transform};
-use crate::drain::Pit;
-use crate::raster::Dem;
-use crate::spline::Wanted;
-use crate::subdomains::FrameRing;
-use crate::surface::{InOther, Surface, height_map, pits_of, standard_errors, standard_errors_on};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{CrsNeed, Error, Result};
+use tokosen_core::base::memory;
+use tokosen_core::base::progress::Progress;
+use tokosen_core::crs::{Crs, Reprojection, Transform};
+use tokosen_core::drain::Pit;
+use tokosen_core::raster::Dem;
+use tokosen_core::spline::Wanted;
+use tokosen_core::subdomains::FrameRing;
+use tokosen_core::surface::{InOther, Surface, height_map, pits_of, standard_errors, standard_errors_on};
 
 /// The cells that a height map is wanted at.
 #[derive(Debug, Clone, PartialEq)]

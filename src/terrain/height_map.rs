@@ -3,13 +3,13 @@
 use super::base::BaseJoin;
 use super::facade::Terrain;
 use super::grid::GridSpec;
-use crate::base::Grid;
-use crate::base::error::{Error, Report, Result};
-use crate::base::progress::Progress;
-use crate::crs::Crs;
-use crate::drain::Pit;
-use crate::raster::{Dem, mask};
-use crate::subdomains::FrameRing;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Report, Result};
+use tokosen_core::base::progress::Progress;
+use tokosen_core::crs::Crs;
+use tokosen_core::drain::Pit;
+use tokosen_core::raster::{Dem, mask};
+use tokosen_core::subdomains::FrameRing;
 
 /// A height map, and what is known about its heights.
 #[derive(Debug, Clone)]

@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 use super::compare::{Pair, SideSource};
 use super::input::Input;
 use super::prepare::is_repair;
-use crate::base::error::{Error, Finding, Proposal, Result, Severity};
-use crate::contour::{ContourMap, distinct_levels, find_interval};
-use crate::crs::Crs;
-use crate::dem::compare::Comparison;
+use tokosen_core::base::error::{Error, Finding, Proposal, Result, Severity};
+use tokosen_core::contour::{ContourMap, distinct_levels, find_interval};
+use tokosen_core::crs::Crs;
+use tokosen_core::dem::compare::Comparison;
 
 /// A description of the input, the counts of its findings, and each finding; places are in the input's coordinates.
 /// `map` is the map that [`Input::judge`] gave.

@@ -4,7 +4,7 @@
 //! states the unit of the coordinates. Here the messages get the unit.
 
 use super::input::Input;
-use crate::base::error::Finding;
+use tokosen_core::base::error::Finding;
 
 /// What the steps call a length and an area, and what these are on a plane in metres.
 const UNITS: [(&str, &str); 2] = [(" square map units", " square metres"), (" map units", " m")];
@@ -40,11 +40,11 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::base::ElevationUnit;
-    use crate::base::error::FindingKind;
-    use crate::contour::{Contour, ContourMap};
-    use crate::crs::{Crs, LengthUnit};
     use crate::terrain::{InputOptions, Preparation};
+    use tokosen_core::base::ElevationUnit;
+    use tokosen_core::base::error::FindingKind;
+    use tokosen_core::contour::{Contour, ContourMap};
+    use tokosen_core::crs::{Crs, LengthUnit};
 
     #[test]
     fn units_follow_numbers() {

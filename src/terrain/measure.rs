@@ -5,16 +5,16 @@ use std::path::Path;
 use glam::DVec2;
 
 use super::compare::{Kind, Pair};
-use crate::base::error::{Error, Result};
-use crate::base::progress::{Progress, step};
-use crate::base::{Grid, parallel};
-use crate::contour::{Interval, SpotHeights};
-use crate::crs::{Transform, converted};
-use crate::dem::compare::{
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::base::{Grid, parallel};
+use tokosen_core::contour::{Interval, SpotHeights};
+use tokosen_core::crs::{Transform, converted};
+use tokosen_core::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
 };
-use crate::raster::locate;
-use crate::tin::{NONE, Tin};
+use tokosen_core::raster::locate;
+use tokosen_core::tin::{NONE, Tin};
 
 /// Optional parameters of a comparison.
 #[derive(Debug, Clone, Copy, Default)]

@@ -35,7 +35,6 @@ mod sides;
 mod tests;
 mod units;
 
-pub use crate::arrays::{RaggedLines, TriangleArrays};
 pub use base::BaseJoin;
 #[cfg(feature = "io")]
 pub use clipped::clip_areas;
@@ -58,3 +57,4 @@ pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
 #[cfg(feature = "draw")]
 pub use report::{page, sentences};
+pub use tokosen_core::arrays::{RaggedLines, TriangleArrays};

@@ -2,11 +2,11 @@
 
 use super::grid::{Cells, GridSpec};
 use super::preparation::Preparation;
-use crate::base::error::{Error, Result};
-use crate::crs::Reprojection;
-use crate::drain::Drain;
-use crate::surface::{SurfaceKind, Triangles, Uncertainty};
-use crate::tuning::Tuning;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Reprojection;
+use tokosen_core::drain::Drain;
+use tokosen_core::surface::{SurfaceKind, Triangles, Uncertainty};
+use tokosen_core::tuning::Tuning;
 
 /// How the lines are prepared and the surface is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,13 +17,13 @@ pub struct Options {
     pub kind: SurfaceKind,
     /// The method's resolution parameter w: larger values give fewer ridge and canyon lines.
     pub resolution: f64,
-    /// Tension of the smooth surface, chosen from the contours if `None`; see [`SplineParams`](crate::spline::SplineParams).
+    /// Tension of the smooth surface, chosen from the contours if `None`; see [`SplineParams`](tokosen_core::spline::SplineParams).
     pub tension: Option<f64>,
-    /// Noise of the contours, 0 to 1, chosen from the contours if `None`; see [`SplineParams`](crate::spline::SplineParams).
+    /// Noise of the contours, 0 to 1, chosen from the contours if `None`; see [`SplineParams`](tokosen_core::spline::SplineParams).
     pub noise: Option<f64>,
     /// The level of the sea, metres. Ground that reaches down only to contours of this level is the sea.
     pub sea: Option<f64>,
-    /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`](crate::streams::Streams::tolerance).
+    /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`](tokosen_core::streams::Streams::tolerance).
     pub stream_tolerance: Option<f64>,
     /// Distance from the surface at which a twentieth of its difference from the base is left, map units. If `None`: a
     /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`](super::Input::set_base).

@@ -7,9 +7,9 @@
 
 use glam::DVec2;
 
-use crate::base::error::Cut;
-use crate::crs::Transform;
-use crate::subdomains::FrameRing;
+use tokosen_core::base::error::Cut;
+use tokosen_core::crs::Transform;
+use tokosen_core::subdomains::FrameRing;
 
 /// Pieces per edge of the frame. A straight edge is a curve in another system.
 const PIECES: u32 = 16;

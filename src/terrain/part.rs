@@ -8,11 +8,11 @@ use std::collections::HashSet;
 use geo::{Area, BoundingRect, Contains, Coord, MultiPolygon, Rect};
 use glam::DVec2;
 
-use crate::base::error::{Error, Finding, Result};
-use crate::contour::{Contour, ContourMap};
-use crate::subdomains::{Frame, frame_ring};
+use tokosen_core::base::error::{Error, Finding, Result};
+use tokosen_core::contour::{Contour, ContourMap};
 use tokosen_core::geometry::Border;
 use tokosen_core::geometry::common_area;
+use tokosen_core::subdomains::{Frame, frame_ring};
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
 const SPACINGS: f64 = 12.0;

@@ -1,10 +1,10 @@
 //! The system and the unit of the contours' coordinates, and their reprojection to the working plane.
 
-use crate::base::ElevationUnit;
-use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
-use crate::contour::{ContourMap, reproject};
-use crate::crs::{Crs, CrsKind, Reprojection, working_crs};
-use crate::raster::other_unit;
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
+use tokosen_core::contour::{ContourMap, reproject};
+use tokosen_core::crs::{Crs, CrsKind, Reprojection, working_crs};
+use tokosen_core::raster::other_unit;
 
 /// The map with the system that the caller names.
 pub(super) fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Finding>) -> ContourMap {
@@ -127,9 +127,9 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::base::ElevationUnit::{Foot, Metre, UsSurveyFoot};
-    use crate::contour::Contour;
-    use crate::crs::LengthUnit;
+    use tokosen_core::base::ElevationUnit::{Foot, Metre, UsSurveyFoot};
+    use tokosen_core::contour::Contour;
+    use tokosen_core::crs::LengthUnit;
 
     fn map(crs: Option<Crs>, plane_unit: Option<LengthUnit>) -> ContourMap {
         let points = vec![DVec2::new(1000.0, 2000.0), DVec2::new(1500.0, 2000.0)];

@@ -1,7 +1,7 @@
 //! Elevations that no ground on land has. They come from a unit, a sign or a placeholder that nothing else shows.
 
-use crate::base::error::{Finding, FindingKind};
-use crate::contour::{Contour, ContourMap, distinct_levels, find_interval};
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::contour::{Contour, ContourMap, distinct_levels, find_interval};
 
 /// The ground is nowhere higher, metres.
 const HIGHEST: f64 = 9000.0;

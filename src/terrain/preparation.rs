@@ -1,8 +1,8 @@
 //! How the lines are prepared: [`Preparation`].
 
-use crate::base::error::{Error, Result};
-use crate::clean::CleanParams;
-use crate::resample::SampleParams;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::clean::CleanParams;
+use tokosen_core::resample::SampleParams;
 
 /// How far a map is repaired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -7,17 +7,17 @@ use super::options::Options;
 use super::part::{Part, drop_outside};
 use super::plausible;
 use super::preparation::{Preparation, Repair};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
-use crate::base::memory;
-use crate::base::progress::{Progress, step};
-use crate::check::{LineParams, correct, examine, first_causes, merged, placeholders};
-use crate::clean::clean;
-use crate::contour::{ContourMap, find_interval};
-use crate::resample::{FitParams, fit, sample};
-use crate::streams::{Stream, Streams};
-use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
-use crate::subdomains::settled;
-use crate::surface::{SurfaceParams, settle_lines};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
+use tokosen_core::base::memory;
+use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::check::{LineParams, correct, examine, first_causes, merged, placeholders};
+use tokosen_core::clean::clean;
+use tokosen_core::contour::{ContourMap, find_interval};
+use tokosen_core::resample::{FitParams, fit, sample};
+use tokosen_core::streams::{Stream, Streams};
+use tokosen_core::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
+use tokosen_core::subdomains::settled;
+use tokosen_core::surface::{SurfaceParams, settle_lines};
 
 /// The findings that report a change of the lines.
 const REPAIRS: &[FindingKind] = &[

@@ -1,9 +1,9 @@
 //! The report of a comparison of two sides: sentences and a page.
 
 use super::compare::{Kind, Pair};
-use crate::base::error::Result;
-use crate::dem::compare::Comparison;
-use crate::draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
+use tokosen_core::base::error::Result;
+use tokosen_core::dem::compare::Comparison;
+use tokosen_draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 
 /// Sentences about how the sides were brought onto one grid and what the figures mean.
 pub fn sentences(pair: &Pair, found: &Comparison) -> Vec<String> {

@@ -5,9 +5,9 @@ use glam::DVec2;
 
 use super::grid::{Cells, GridSpec};
 use super::input::Input;
-use crate::base::error::{Error, Result};
-use crate::clean::is_place;
-use crate::subdomains::FrameRing;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::clean::is_place;
+use tokosen_core::subdomains::FrameRing;
 
 /// Share of all vertices that may lie far off to one side by mistake. The preparation can leave them out, and the map is
 /// then smaller.
@@ -62,9 +62,9 @@ fn check(cells: &Cells, ground: Option<FrameRing>, memory: Option<u64>) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::{Contour, ContourMap};
-    use crate::subdomains::Frame;
     use crate::terrain::InputOptions;
+    use tokosen_core::contour::{Contour, ContourMap};
+    use tokosen_core::subdomains::Frame;
 
     /// Rings of 1 km around the origin, and a line with these points.
     fn input(others: &[(f64, f64)]) -> Input {

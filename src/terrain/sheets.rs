@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use glam::DVec2;
 
-use crate::base::ElevationUnit;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::contour::ContourMap;
-use crate::crs::{Crs, LengthUnit, Transform, label};
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::contour::ContourMap;
+use tokosen_core::crs::{Crs, LengthUnit, Transform, label};
 
 /// The map of one file, with its elevations in metres.
 pub(super) struct Sheet {

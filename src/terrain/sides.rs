@@ -4,9 +4,9 @@ use geo::{CoordsIter, MultiPolygon, Polygon};
 use glam::DVec2;
 
 use super::input::Input;
-use crate::base::error::{Finding, FindingKind};
-use crate::contour::ContourMap;
-use crate::drain::SinkShape;
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::contour::ContourMap;
+use tokosen_core::drain::SinkShape;
 
 /// A side input is far away if it is further from the contours than this many diagonals of the box around them.
 const FAR: f64 = 1.0;

@@ -6,18 +6,18 @@ use geo::{MultiPolygon, Rect};
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::base::Grid;
-use crate::base::error::CrsNeed;
-use crate::base::error::Error;
-use crate::contour::{Contour, ContourMap, Interval, Lake};
-use crate::crs::Crs;
-use crate::features::Features;
-use crate::io::{ReadOptions, read_contours};
-use crate::mesh::MeshParams;
-use crate::raster::Dem;
-use crate::spline::Wanted;
-use crate::subdomains::Frame;
-use crate::surface::{SurfaceKind, Triangles, Uncertainty};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::CrsNeed;
+use tokosen_core::base::error::Error;
+use tokosen_core::contour::{Contour, ContourMap, Interval, Lake};
+use tokosen_core::crs::Crs;
+use tokosen_core::features::Features;
+use tokosen_core::mesh::MeshParams;
+use tokosen_core::raster::Dem;
+use tokosen_core::spline::Wanted;
+use tokosen_core::subdomains::Frame;
+use tokosen_core::surface::{SurfaceKind, Triangles, Uncertainty};
+use tokosen_io::{ReadOptions, read_contours};
 
 fn sample() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/fig5cd_three_branches_basin.geojson")
@@ -175,7 +175,7 @@ fn what_needs_more_memory_than_the_budget_is_refused() {
 #[test]
 fn further_inputs_come_from_memory() {
     let mut input = input(hill());
-    let to_degrees = crate::crs::Transform::between(&Crs::from_epsg(6678), &Crs::from_epsg(6668)).unwrap();
+    let to_degrees = tokosen_core::crs::Transform::between(&Crs::from_epsg(6678), &Crs::from_epsg(6668)).unwrap();
     let spot = to_degrees.forward(DVec2::new(1.0, 2.0)).unwrap().extend(25.0);
     input.add_spots([spot], Some(&Crs::from_epsg(6668))).unwrap();
     assert!(input.map.spots[0].distance(DVec3::new(1.0, 2.0, 25.0)) < 1e-4, "{}", input.map.spots[0]);

@@ -1,9 +1,9 @@
 //! The unit of the elevations of a file: what the caller asks for, what the file states, what it lets suppose.
 
-use crate::base::ElevationUnit;
-use crate::base::error::{Finding, FindingKind};
-use crate::contour::{StatedUnit, UnitHint};
-use crate::crs::{Crs, LengthUnit};
+use tokosen_core::base::ElevationUnit;
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::contour::{StatedUnit, UnitHint};
+use tokosen_core::crs::{Crs, LengthUnit};
 
 /// The elevations of a file, and what is known about their unit.
 pub(super) struct Elevations<'a> {
@@ -111,7 +111,7 @@ impl Elevations<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::ElevationUnit::{Foot, Metre, UsSurveyFoot};
+    use tokosen_core::base::ElevationUnit::{Foot, Metre, UsSurveyFoot};
 
     /// The unit, and the kinds of the findings with their sentences.
     fn unit(

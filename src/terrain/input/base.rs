@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::Input;
-use crate::base::error::Result;
-use crate::raster::Dem;
 use crate::terrain::base::Base;
+use tokosen_core::base::error::Result;
+use tokosen_core::raster::Dem;
 
 impl Input {
     /// Takes a height map that gives the heights outside the frame. Height maps of the terrain then cover both:
@@ -14,7 +14,7 @@ impl Input {
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if it seems to be in degrees and neither it nor the contours name a system in degrees.
-    /// As [`Reprojection::bring`](crate::crs::Reprojection::bring) if its system cannot be converted to the working one.
+    /// As [`Reprojection::bring`](tokosen_core::crs::Reprojection::bring) if its system cannot be converted to the working one.
     pub fn set_base(&mut self, dem: Dem, file: &Path) -> Result<()> {
         self.base = Some(Base::new(dem, file, &self.reprojection)?);
         Ok(())

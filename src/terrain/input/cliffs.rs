@@ -5,9 +5,9 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use super::Input;
-use crate::base::error::{Finding, FindingKind};
-use crate::contour::CliffLine;
-use crate::tuning::CliffTuning;
+use tokosen_core::base::error::{Finding, FindingKind};
+use tokosen_core::contour::CliffLine;
+use tokosen_core::tuning::CliffTuning;
 
 /// Findings that a cliff explains.
 const EXPLAINED: [FindingKind; 8] = [

@@ -1,8 +1,8 @@
 //! The coast: lines that become contours at the level of the sea.
 
 use super::Input;
-use crate::base::error::{Error, Result};
-use crate::contour::{CoastLine, Contour};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::contour::{CoastLine, Contour};
 
 /// A level and contours that differ from it by no more are the same, metres.
 const SAME_LEVEL: f64 = 1e-3;

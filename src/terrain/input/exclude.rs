@@ -4,10 +4,10 @@ use geo::{BoundingRect, MultiPolygon};
 use glam::DVec2;
 
 use super::Input;
-use crate::base::error::{Finding, FindingKind, Result};
-use crate::clean::{is_place, without_bad_points};
-use crate::contour::{CutOut, Excluded, cut_out};
-use crate::crs::Crs;
+use tokosen_core::base::error::{Finding, FindingKind, Result};
+use tokosen_core::clean::{is_place, without_bad_points};
+use tokosen_core::contour::{CutOut, Excluded, cut_out};
+use tokosen_core::crs::Crs;
 use tokosen_core::geometry::Border;
 
 /// What a missing piece of ground causes. Inside a part that is left out, it is no fault.

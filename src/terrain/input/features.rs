@@ -3,14 +3,14 @@
 use glam::{DVec2, DVec3};
 
 use super::{Input, Signs};
-use crate::base::error::{Finding, Result};
-use crate::base::{ElevationUnit, FeatureId};
-use crate::contour::{CliffLine, CoastLine, Lake};
-use crate::creases::CreaseLine;
-use crate::crs::{Crs, ToWorking};
-use crate::drain::{Sink, SinkShape};
-use crate::features::{Features, Role};
-use crate::streams::{RiverArea, StreamLine};
+use tokosen_core::base::error::{Finding, Result};
+use tokosen_core::base::{ElevationUnit, FeatureId};
+use tokosen_core::contour::{CliffLine, CoastLine, Lake};
+use tokosen_core::creases::CreaseLine;
+use tokosen_core::crs::{Crs, ToWorking};
+use tokosen_core::drain::{Sink, SinkShape};
+use tokosen_core::features::{Features, Role};
+use tokosen_core::streams::{RiverArea, StreamLine};
 
 impl Input {
     /// Adds lines, polygons and points beside the contours, each in its role. They are in the contours' coordinate reference

@@ -4,14 +4,14 @@ use std::mem::take;
 use std::path::{Path, PathBuf};
 
 use super::{Input, InputOptions, Signs, in_metres};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::base::progress::{Progress, step};
-use crate::contour::SpotHeights;
-use crate::crs::Crs;
-use crate::features::Role;
-use crate::io::raster::{DemFile, read_dem};
-use crate::io::{FileFeatures, ReadOptions, VectorSource, read_area, read_contours, read_features, read_spot_heights};
 use crate::terrain::sheets::{Sheet, joined};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::contour::SpotHeights;
+use tokosen_core::crs::Crs;
+use tokosen_core::features::Role;
+use tokosen_io::raster::{DemFile, read_dem};
+use tokosen_io::{FileFeatures, ReadOptions, VectorSource, read_area, read_contours, read_features, read_spot_heights};
 
 impl Input {
     /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.

@@ -21,19 +21,19 @@ use std::path::PathBuf;
 use geo::{BoundingRect, MultiPolygon};
 use glam::{DVec2, DVec3};
 
-use crate::arrays;
-use crate::base::error::{Error, Finding, Report, Result};
-use crate::base::{ElevationUnit, FeatureId};
-use crate::contour::{ContourMap, SoftSpot, StatedUnit, UnitHint, unite_levels};
-use crate::crs::{Crs, Reprojection};
-use crate::features::Features;
-use crate::resample::{Fitted, Sampled};
-use crate::subdomains::Frame;
 use crate::terrain::base::Base;
 use crate::terrain::part::Part;
 use crate::terrain::plane::{Plane, named, on_plane, settle};
 use crate::terrain::units::Elevations;
+use tokosen_core::arrays;
+use tokosen_core::base::error::{Error, Finding, Report, Result};
+use tokosen_core::base::{ElevationUnit, FeatureId};
+use tokosen_core::contour::{ContourMap, SoftSpot, StatedUnit, UnitHint, unite_levels};
+use tokosen_core::crs::{Crs, Reprojection};
+use tokosen_core::features::Features;
 use tokosen_core::geometry::{thinned, tolerance};
+use tokosen_core::resample::{Fitted, Sampled};
+use tokosen_core::subdomains::Frame;
 
 /// Vertices of a frame that are closer to each other than this share of its diagonal are left out where the border stays in
 /// its place without them.
@@ -61,7 +61,7 @@ pub struct InputOptions {
     /// The coordinate reference system of the contours, if the file names none or a wrong one.
     pub crs: Option<Crs>,
     /// The projected system in metres to work in. If `None`: the contours' own or, for degrees and feet, the one that
-    /// [`working_crs`](crate::crs::working_crs) chooses.
+    /// [`working_crs`](tokosen_core::crs::working_crs) chooses.
     pub work_crs: Option<Crs>,
     /// Memory that reading may take, bytes. No limit if `None`.
     pub memory: Option<u64>,
@@ -134,9 +134,9 @@ impl Input {
     /// Takes a map in memory. It is moved, its lines are not copied.
     ///
     /// # Errors
-    /// [`LooksLikeDegrees`](crate::base::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
-    /// [`NotProjectedInMetres`](crate::base::error::Error::NotProjectedInMetres) and
-    /// [`UnknownCrs`](crate::base::error::Error::UnknownCrs) for a system to work in. As [`Reprojection::project`] if a
+    /// [`LooksLikeDegrees`](tokosen_core::base::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
+    /// [`NotProjectedInMetres`](tokosen_core::base::error::Error::NotProjectedInMetres) and
+    /// [`UnknownCrs`](tokosen_core::base::error::Error::UnknownCrs) for a system to work in. As [`Reprojection::project`] if a
     /// coordinate has no place on the plane.
     pub fn from_map(map: ContourMap, options: &InputOptions) -> Result<Self> {
         Self::from_report(Report { value: map, findings: Vec::new() }, options)
@@ -148,7 +148,7 @@ impl Input {
     /// Coordinates are copied once, into a list for each line.
     ///
     /// # Errors
-    /// [`Arrays`](crate::base::error::Error::Arrays) if the arrays do not fit each other. As [`Input::from_map`].
+    /// [`Arrays`](tokosen_core::base::error::Error::Arrays) if the arrays do not fit each other. As [`Input::from_map`].
     pub fn from_arrays(
         coords: &[[f64; 2]],
         offsets: &[usize],

@@ -4,9 +4,9 @@ use geo::{Area, MultiPolygon};
 use glam::DVec2;
 
 use super::Input;
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
 use crate::terrain::part::{Part, box_area};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 impl Input {
     /// Limits results to an area of the map: lines end at its border, height maps cover it. The contours around it still

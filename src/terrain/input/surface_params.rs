@@ -5,14 +5,14 @@ use std::mem::take;
 use glam::DVec2;
 
 use super::Input;
-use crate::contour::ContourMap;
-use crate::features::Features;
-use crate::spline::SplineParams;
-use crate::streams::Streams;
-use crate::subdivision::Water;
-use crate::surface::SurfaceParams;
 use crate::terrain::grid::Cells;
 use crate::terrain::options::Options;
+use tokosen_core::contour::ContourMap;
+use tokosen_core::features::Features;
+use tokosen_core::spline::SplineParams;
+use tokosen_core::streams::Streams;
+use tokosen_core::subdivision::Water;
+use tokosen_core::surface::SurfaceParams;
 
 impl Input {
     /// The parameters of the surface. Frame, lakes and lines are moved out of the input.

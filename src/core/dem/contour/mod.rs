@@ -145,7 +145,7 @@ impl DemContours {
 /// let line = found.layers[0].lines.iter().find(|line| line.elevation == 50.0).expect("the cone is higher");
 /// assert!(line.is_closed() && !line.depression);
 /// assert!(line.points.iter().all(|p| (p.distance(top) - 50.0).abs() < found.tolerance));
-/// # Ok::<(), tokosen::base::error::Error>(())
+/// # Ok::<(), tokosen_core::Error>(())
 /// ```
 ///
 /// # Errors
