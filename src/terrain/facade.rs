@@ -6,17 +6,17 @@ use super::base::Background;
 use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
-use super::part::drop_outside;
+use super::part::{Part, drop_outside};
 use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
-use tokosen_core::base::progress::Progress;
+use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::contour::Target;
 use tokosen_core::contour::{ContourLayer, clip_lines};
 use tokosen_core::crs::{Crs, FromWorking, Reprojection};
 use tokosen_core::layers::{LayerParams, contour_layers};
 use tokosen_core::mesh::{Mesh, MeshParams, mesh};
 use tokosen_core::subdomains::{FrameRing, MapExtent, frame_ring};
-use tokosen_core::surface::{Surface, build};
+use tokosen_core::surface::{Surface, Whole, build};
 
 /// The ground between contours, and the findings about them.
 ///
@@ -70,9 +70,15 @@ impl Terrain {
             return Err(Error::NoContours { in_polygon: false });
         }
         input.report_sides_elsewhere();
-        let part = input.take_part();
-        let is_whole = part.is_none() && input.frame.polygon().is_none();
-        let params = input.surface_params(options, cells.as_ref());
+        let is_whole = input.part.is_none() && input.frame.polygon().is_none();
+        let mut params = input.surface_params(options, cells.as_ref());
+        let part = input.part.take().map(|area| Part::new(area, &input.map)).transpose()?;
+        if let Some(part) = &part {
+            let figures = step(progress, "the whole map", || Whole::of(&input.map, &params));
+            params.whole = figures.map_err(|error| input.named_error(error))?;
+            params.frame = part.frame(std::mem::take(&mut params.frame));
+            part.cut(&mut input.map);
+        }
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
         let ground = || frame_ring(&input.map, &params.frame);
         let part_of_ground = part.as_ref().map(|part| part.of(&ground().area)).transpose()?;

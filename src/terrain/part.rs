@@ -1,7 +1,8 @@
 //! A part of a map: results end at its border, and the contours around it still count.
 //!
 //! The surface is built over a window around the part. The window is so wide that contours beyond it hardly change the
-//! surface in the part. Lines outside of the window are left out first, so a part of a large map takes little time.
+//! surface in the part. What depends on the whole map is taken from the whole map ([`Whole`](tokosen_core::surface::Whole)).
+//! Lines outside of the window are left out once the lines are clean, so a part of a large map takes little time.
 
 use std::collections::HashSet;
 
@@ -15,7 +16,7 @@ use tokosen_core::geometry::common_area;
 use tokosen_core::subdomains::{Frame, frame_ring};
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
-const SPACINGS: f64 = 12.0;
+const SPACINGS: f64 = 20.0;
 /// Its least width beyond the part, as a share of the part's longer side.
 const SHARE: f64 = 0.1;
 /// Levels that a window has, if the map has them: fewer do not show the interval.
@@ -47,19 +48,37 @@ pub(super) fn box_area([west, south, east, north]: [f64; 4]) -> Result<MultiPoly
     Ok(Rect::new(Coord { x: west, y: south }, Coord { x: east, y: north }).to_polygon().into())
 }
 
+/// The boxes around a part and around the map.
+///
+/// # Errors
+/// [`Error::PartOutside`] if the part lies outside of the map.
+fn on_map(area: &MultiPolygon<f64>, boxed: &MultiPolygon<f64>) -> Result<[Rect<f64>; 2]> {
+    let (Some(inner), Some(whole)) = (area.bounding_rect(), boxed.bounding_rect()) else {
+        return Err(Error::NoContours { in_polygon: false });
+    };
+    let meet = inner.min().x < whole.max().x
+        && inner.max().x > whole.min().x
+        && inner.min().y < whole.max().y
+        && inner.max().y > whole.min().y;
+    if meet { Ok([inner, whole]) } else { Err(outside(&inner, &whole)) }
+}
+
+/// Checks that a part lies on a map.
+///
+/// # Errors
+/// [`Error::PartOutside`] if it lies outside of it.
+pub(super) fn check_on_map(area: &MultiPolygon<f64>, map: &ContourMap) -> Result<()> {
+    on_map(area, &frame_ring(map, &Frame::Box).area).map(|_| ())
+}
+
 impl Part {
+    /// The part of a clean map.
+    ///
+    /// # Errors
+    /// [`Error::PartOutside`] if it lies outside of the map.
     pub(super) fn new(area: MultiPolygon<f64>, map: &ContourMap) -> Result<Self> {
         let [hull, boxed] = [Frame::Hull, Frame::Box].map(|frame| frame_ring(map, &frame).area);
-        let (Some(inner), Some(whole)) = (area.bounding_rect(), boxed.bounding_rect()) else {
-            return Err(Error::NoContours { in_polygon: false });
-        };
-        if inner.min().x >= whole.max().x
-            || inner.max().x <= whole.min().x
-            || inner.min().y >= whole.max().y
-            || inner.max().y <= whole.min().y
-        {
-            return Err(outside(&inner, &whole));
-        }
+        let [inner, whole] = on_map(&area, &boxed)?;
         Ok(Self { window: window(map, &inner, &whole), area, hull, boxed })
     }
 
@@ -80,14 +99,18 @@ impl Part {
         let whole = match &wanted {
             Frame::Auto | Frame::Hull => &self.hull,
             Frame::Box => &self.boxed,
-            Frame::Polygon(area) | Frame::PolygonInHull(area) | Frame::Outline(area) => area,
+            Frame::Polygon(area) | Frame::PolygonInHull(area) | Frame::Outline(area) | Frame::Convex(area) => area,
         };
         let window = MultiPolygon::from(self.window.to_polygon());
         if window.contains(whole) {
             return wanted;
         }
         let common = common_area(whole, &window);
-        if matches!(wanted, Frame::Polygon(_)) { Frame::Polygon(common) } else { Frame::PolygonInHull(common) }
+        match wanted {
+            Frame::Auto | Frame::Hull | Frame::Box | Frame::Convex(_) => Frame::Convex(common),
+            Frame::Polygon(_) => Frame::Polygon(common),
+            Frame::PolygonInHull(_) | Frame::Outline(_) => Frame::PolygonInHull(common),
+        }
     }
 
     /// The part of the ground that is asked for; `ground` is all that there is.

@@ -166,8 +166,8 @@ impl Input {
     /// # Errors
     /// As [`subdivide_with_water`]. The findings stay in the input.
     pub fn judge(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
-        let part = self.take_part();
-        let border = part.as_ref().map(Part::area).or(self.frame.polygon()).cloned();
+        let border = self.part.as_ref().or(self.frame.polygon()).cloned();
+        self.take_part()?;
         let judged = self.judge_whole(options, progress);
         self.findings_outside += border.map_or(0, |area| drop_outside(&mut self.findings, &area));
         judged
@@ -207,7 +207,7 @@ impl Input {
         progress: &dyn Progress,
     ) -> Result<(Subdivision, Option<MultiPolygon<f64>>)> {
         self.report_sides_elsewhere();
-        let part = self.take_part();
+        let part = self.take_part()?;
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.features.lakes), sea, coast: self.coast.clone() };
         let subdivision = self.found(subdivide_with_water(map, &self.frame, &water, progress))?;
@@ -217,11 +217,13 @@ impl Input {
         Ok((subdivision, covered))
     }
 
-    /// Takes the part that is asked for, if it is one. The frame becomes the window around it.
-    pub(super) fn take_part(&mut self) -> Option<Part> {
-        let part = self.part.take()?;
+    /// Takes the part that is asked for, if it is one. The frame becomes the window around it, and lines elsewhere are left out.
+    fn take_part(&mut self) -> Result<Option<Part>> {
+        let Some(area) = self.part.take() else { return Ok(None) };
+        let part = Part::new(area, &self.map)?;
         self.frame = part.frame(std::mem::take(&mut self.frame));
-        Some(part)
+        part.cut(&mut self.map);
+        Ok(Some(part))
     }
 
     /// Brings the streams of the input into agreement with a subdivision of its map. They are moved out of the input; what

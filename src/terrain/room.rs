@@ -37,7 +37,7 @@ impl Input {
             area = area.intersection(frame);
         }
         if let Some(part) = &self.part {
-            area = area.intersection(part.area());
+            area = area.intersection(part);
         }
         area.bounding_rect().map(|_| FrameRing { area })
     }

@@ -37,15 +37,16 @@ fn heights_of_a_part_are_those_of_the_whole_map() {
     assert_eq!((part.grid.cols, part.grid.rows), (75, 60));
     assert_eq!(part.grid.corner, DVec2::new(EXTENT[0], EXTENT[3]));
     let offset = ((part.grid.corner - whole.grid.corner) / DVec2::new(20.0, -20.0)).round();
-    let mut squares = 0.0;
+    let (mut squares, mut most) = (0.0, 0.0f32);
     for (k, height) in part.values.iter().enumerate() {
         let (col, row) = (k % 75 + offset.x as usize, k / 75 + offset.y as usize);
         let of_whole = whole.values[row * whole.grid.cols + col];
         assert!(height.is_finite());
         squares += f64::from((height - of_whole).powi(2));
+        most = most.max((height - of_whole).abs());
     }
     let rms = (squares / part.values.len() as f64).sqrt();
-    assert!(rms < 0.25, "{rms} m, of an interval of 20 m");
+    assert!(rms < 0.02 && most < 0.2, "{rms} m, {most} m, of an interval of 20 m");
 }
 
 #[test]

@@ -2,11 +2,12 @@
 
 use glam::{DVec2, DVec3};
 
+use super::curvature_gain;
 use super::density::contour_density;
 use super::fold::Fold;
 use super::lattice::{Crossing, CrossingKind, Lattice};
+use super::shrinkage::{HalfWay, Relative};
 use super::wide::WidePlaces;
-use super::{curvature_gain, shrinkage};
 use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::SoftSpot;
 use crate::drain::{Drain, Placed, Sink, mark_sinks};
@@ -79,16 +80,28 @@ impl Drainage<'_> {
 
 impl Conditions<'_> {
     /// Curvature gain at each node ([`curvature_gain::unit_gain`]), for a standard error of one metre half-way between
-    /// contours.
-    pub fn unit_curvature_gain(&self, heights: &[f32], tuning: &SplineTuning) -> Vec<f32> {
+    /// contours, and the [relative variance](Relative) there.
+    pub fn unit_curvature_gain(&self, heights: &[f32], tuning: &SplineTuning) -> [Vec<f32>; 2] {
         let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, .. } = self;
         let lattice = Lattice::of_grid(grid);
         let contour_density = contour_density(reference, grid, *spacing, *interval, tuning.density_rounds);
         let spots = self.surveyed();
-        let variances =
-            shrinkage::variances(1.0, heights, &contour_density, *spacing, &lattice, &spots, &tuning.shrinkage);
+        let relative = Relative::new(heights, &contour_density, *spacing, &lattice, &tuning.shrinkage);
+        let at_nodes = relative.variance.clone();
+        let half_way = HalfWay { error: 1.0, relative: 0.0 };
+        let density = (contour_density.as_slice(), *spacing);
+        let variances = relative.variances(half_way, heights, density, &lattice, &spots, &tuning.shrinkage);
         let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide).share;
-        curvature_gain::unit_gain(heights, [lo, hi], (&variances, &wide), *spacing, &lattice, *interval, &tuning.gain)
+        let gain = curvature_gain::unit_gain(
+            heights,
+            [lo, hi],
+            (&variances, &wide),
+            *spacing,
+            &lattice,
+            *interval,
+            &tuning.gain,
+        );
+        [gain, at_nodes]
     }
 
     /// Spot heights as crossings of the edges between nodes.

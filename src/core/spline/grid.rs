@@ -20,6 +20,9 @@ const NODES_PER_VERTEX: f64 = 16.0;
 const COARSER: f64 = 1.5;
 /// Largest number of nodes of a grid that is divided for break lines. It limits time.
 const MOST_NODES_FOR_LINES: f64 = 10e6;
+/// The first node of a part's grid is a multiple of this many nodes of the whole map's: a power of two, times three because of
+/// the solver's tiles.
+const ALIGNED: usize = 192;
 /// A divided grid is cut to the map again if that leaves less than one node in so many.
 const WASTE: usize = 4;
 /// Bytes of memory per node while the surface is found, as measured. They include one crossing of a contour per node.
@@ -44,9 +47,31 @@ fn vertex_spacing(extent: &MapExtent<'_>) -> f64 {
 ///   its cells.
 /// * Without such a raster, cells lie on multiples of their size.
 pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
-    let Sizes { lo, hi, asked, finest, least, cut, most } = Sizes::new(extent, wanted, tuning);
+    of_sizes(extent.spacing, Sizes::new(extent, wanted, tuning), tuning)
+}
+
+/// The working grid of a whole map, of which only parts are computed: [`working_grid`], but its size does not make it coarse.
+pub fn whole_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
+    let sizes = Sizes::new(extent, wanted, tuning);
+    let is_coarse = sizes.least > COARSER * sizes.asked;
+    let sizes = if is_coarse { Sizes { least: 0.0, most: f64::INFINITY, ..sizes } } else { sizes };
+    of_sizes(extent.spacing, sizes, tuning)
+}
+
+/// The part of a whole map's grid around a box. It begins where a tile of the solver does, so that the nodes of its coarser
+/// lattices are those of the whole map too.
+pub fn part_of_grid(whole: &Grid, lo: DVec2, hi: DVec2) -> Grid {
+    let part = clipped(whole, lo, hi);
+    let first = ((part.corner - whole.corner) / whole.cell).abs().round();
+    let [west, north] = [first.x, first.y].map(|first| first as usize % ALIGNED);
+    let corner = part.corner - DVec2::new(west as f64, -(north as f64)) * whole.cell;
+    Grid { corner, cols: part.cols + west, rows: part.rows + north, ..*whole }
+}
+
+fn of_sizes(spacing: f64, sizes: Sizes, tuning: &GridTuning) -> Grid {
+    let Sizes { lo, hi, asked, finest, least, cut, most } = sizes;
     let cells = cut.map_or(0, |cut| cut.len()) as f64;
-    let (spacing, size) = (extent.spacing, hi - lo);
+    let size = hi - lo;
     let cell = asked.max(least).max(1e-6 * size.max_element());
     let Some(cut) = cut else { return with_border(&Grid::on_multiples(lo, hi, cell)) };
     let is = (cut.cell.x * cut.cell.y).sqrt();

@@ -54,7 +54,7 @@ pub(crate) use blur::{PASSES, blurred};
 pub(crate) use cliffs::beside;
 pub(crate) use conditions::{Conditions, Drainage};
 pub(crate) use fold::Fold;
-pub(crate) use grid::{bytes_on, coarser_than_asked, finer_grid, working_grid};
+pub(crate) use grid::{bytes_on, coarser_than_asked, finer_grid, part_of_grid, whole_grid, working_grid};
 pub(crate) use lattice::{CrossingKind, Lattice};
 pub(crate) use misses::Misses;
 pub use params::{HyperParameters, SplineParams, Wanted};

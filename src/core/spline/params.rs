@@ -40,6 +40,9 @@ pub struct HyperParameters {
     /// Standard error half-way between two contours, metres, found with hidden contours; 0 if it is not known. With it,
     /// heights shrink towards the centre of their band.
     pub half_way_error: f64,
+    /// Mean of the relative variance of the surface where this error was found. Errors elsewhere are larger or smaller with
+    /// the root of theirs. 0 if it is not known; the mean of the map takes its place.
+    pub relative_variance: f64,
     /// Curvature gain, as a share of that error, found with hidden contours.
     pub curvature_gain: f64,
 }

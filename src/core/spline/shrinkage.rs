@@ -30,51 +30,83 @@ use crate::tuning::ShrinkageTuning;
 /// Variance of heights that are uniform over a band, as a share of the square of its height: a closed form.
 const EVEN: f32 = 1.0 / 12.0;
 
-/// The variance half-way between two contours at each node, square metres. Its mean is the square of `half_way_error`
-/// (metres). `spacing` is the mean spacing of the contours, map units. `contour_density` is their relative density.
-/// `heights` are NaN outside the frame.
-pub fn variances(
-    half_way_error: f64,
-    heights: &[f32],
-    contour_density: &[f32],
-    spacing: f64,
-    lattice: &Lattice,
-    spots: &[(Crossing, f64)],
-    tuning: &ShrinkageTuning,
-) -> Vec<f32> {
-    let ShrinkageTuning { half_variance_nodes, power, .. } = *tuning;
-    let step = (lattice.step.x * lattice.step.y).sqrt();
-    let nodes = spacing / step;
-    let of_inside = |values: &[f32]| {
-        let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
-        (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
-    };
-    let mut spacings: Vec<f32> = parallel::values_each(contour_density, |contour_density| 1.0 / contour_density);
-    let (sum, count) = of_inside(&spacings);
-    // Outside the frame there is no spacing; the mean takes its place.
-    parallel::update(&mut spacings, |n, spacing| {
-        if heights[n].is_nan() {
-            *spacing = (sum / count) as f32;
+/// The standard error of a surface half-way between contours.
+#[derive(Debug, Clone, Copy)]
+pub struct HalfWay {
+    /// Its root mean square over the places where it was measured, metres.
+    pub error: f64,
+    /// The mean of the [relative variance](Relative) at these places, on surfaces with half of the levels. If it is 0, the mean
+    /// of the surface itself takes its place.
+    pub relative: f64,
+}
+
+/// The variance half-way between two contours at each node, relative to other nodes.
+pub struct Relative {
+    /// It grows with the distance between contours and with the unevenness of the ground.
+    pub variance: Vec<f32>,
+    /// The distance between contours, mean spacings.
+    spacing: Vec<f32>,
+}
+
+impl Relative {
+    /// `spacing` is the mean spacing of the contours, map units. `contour_density` is their relative density. `heights` are NaN
+    /// outside the frame.
+    pub fn new(
+        heights: &[f32],
+        contour_density: &[f32],
+        spacing: f64,
+        lattice: &Lattice,
+        tuning: &ShrinkageTuning,
+    ) -> Self {
+        let nodes = spacing / (lattice.step.x * lattice.step.y).sqrt();
+        let mut spacing: Vec<f32> = parallel::values_each(contour_density, |contour_density| 1.0 / contour_density);
+        // Outside the frame there is no spacing; the mean of the map takes its place.
+        parallel::update(&mut spacing, |n, spacing| {
+            if heights[n].is_nan() {
+                *spacing = 1.0;
+            }
+        });
+        for _ in 0..PASSES {
+            spacing = blurred(&spacing, lattice.cols, (tuning.spacing_reach * nodes) as usize);
         }
-    });
-    for _ in 0..PASSES {
-        spacings = blurred(&spacings, lattice.cols, (tuning.spacing_reach * nodes) as usize);
+        let mut variance = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
+        parallel::update(&mut variance, |n, v| *v = (*v * spacing[n]).powf(tuning.power));
+        Self { variance, spacing }
     }
-    let mut variances = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
-    parallel::update(&mut variances, |n, v| *v = (*v * spacings[n]).powf(power));
-    let sum = of_inside(&variances).0;
-    let whole =
-        if sum > 0.0 { (half_way_error * half_way_error * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
-    let known = |spacing: f32| 1.0 + (half_variance_nodes / (nodes as f32 * spacing)).powi(3);
-    parallel::update(&mut variances, |n, v| *v *= whole / known(spacings[n]));
-    // At most the mean distance between spot heights. Otherwise many spot heights would take much time.
-    let mean_distance = step * (count / spots.len().max(1) as f64).sqrt();
-    for (crossing, _) in spots {
-        let node = crossing.node as usize;
-        let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(mean_distance);
-        for_each_near(lattice, node, reach, |n, share| variances[n] *= share);
+
+    /// The variance at each node, square metres. `spots` are places where the ground is known.
+    pub fn variances(
+        self,
+        half_way: HalfWay,
+        heights: &[f32],
+        (contour_density, spacing): (&[f32], f64),
+        lattice: &Lattice,
+        spots: &[(Crossing, f64)],
+        tuning: &ShrinkageTuning,
+    ) -> Vec<f32> {
+        let Self { variance: mut variances, spacing: spacings } = self;
+        let step = (lattice.step.x * lattice.step.y).sqrt();
+        let nodes = spacing / step;
+        let inside = || variances.iter().zip(heights).filter(|(_, z)| !z.is_nan());
+        let count = inside().count() as f64;
+        let relative = match half_way.relative {
+            0.0 => inside().map(|(v, _)| f64::from(*v)).sum::<f64>() / count,
+            // With half of the levels and nodes twice as far apart, ground looks more uneven.
+            known => known / (1.0 + tuning.trial_nodes / nodes),
+        };
+        let whole = (half_way.error * half_way.error / relative).min(f64::from(f32::MAX)) as f32;
+        let whole = if relative > 0.0 { whole } else { 0.0 };
+        let known = |spacing: f32| 1.0 + (tuning.half_variance_nodes / (nodes as f32 * spacing)).powi(3);
+        parallel::update(&mut variances, |n, v| *v *= whole / known(spacings[n]));
+        // At most the mean distance between spot heights. Otherwise many spot heights would take much time.
+        let mean_distance = step * (count / spots.len().max(1) as f64).sqrt();
+        for (crossing, _) in spots {
+            let node = crossing.node as usize;
+            let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(mean_distance);
+            for_each_near(lattice, node, reach, |n, share| variances[n] *= share);
+        }
+        variances
     }
-    variances
 }
 
 /// Calls `at` for the nodes that are nearer than `reach` to a node. The share grows from 0 at the node to 1 at `reach`.
@@ -125,6 +157,12 @@ mod tests {
 
     const LATTICE: Lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 400, rows: 60 };
     const MOST: f32 = 0.5;
+
+    fn variances(heights: &[f32], contour_density: &[f32], spacing: f64, spots: &[(Crossing, f64)]) -> Vec<f32> {
+        let (tuning, half_way) = (ShrinkageTuning::default(), HalfWay { error: 2.0, relative: 0.0 });
+        let relative = Relative::new(heights, contour_density, spacing, &LATTICE, &tuning);
+        relative.variances(half_way, heights, (contour_density, spacing), &LATTICE, spots, &tuning)
+    }
 
     #[test]
     fn levels_and_the_middle_stay_and_heights_keep_their_order() {
@@ -178,9 +216,7 @@ mod tests {
         let contour_density: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
         // Level ground counts as uneven everywhere.
         let level = vec![0.0; count];
-        let found = |spacing: f64, spots: &[(Crossing, f64)]| {
-            variances(2.0, &level, &contour_density, spacing, &LATTICE, spots, &tuning)
-        };
+        let found = |spacing: f64, spots: &[(Crossing, f64)]| variances(&level, &contour_density, spacing, spots);
         let free = found(30.0, &[]);
         assert!((free.iter().sum::<f32>() / count as f32 - 4.0).abs() < 0.05);
         assert!((free[east] / free[0] - 3f32.powf(tuning.power)).abs() < 0.05);
@@ -195,16 +231,15 @@ mod tests {
 
     #[test]
     fn even_slopes_have_hardly_any_of_the_variance() {
-        let tuning = ShrinkageTuning::default();
         let cols = LATTICE.cols;
         // A plane in the west, hills in the east.
         let hills = |i: f32, j: f32| if i < 200.0 { 0.3 * i } else { 60.0 + 9.0 * (i / 5.0).sin() * (j / 5.0).cos() };
         let heights: Vec<f32> = (0..LATTICE.len()).map(|n| hills((n % cols) as f32, (n / cols) as f32)).collect();
-        let found = variances(2.0, &heights, &vec![1.0; heights.len()], 30.0, &LATTICE, &[], &tuning);
+        let found = variances(&heights, &vec![1.0; heights.len()], 30.0, &[]);
         assert!((found.iter().sum::<f32>() / found.len() as f32 - 4.0).abs() < 0.05);
         assert!(found[30 * cols + 100] < 0.01 && found[30 * cols + 300] > 5.0);
         let plane: Vec<f32> = (0..LATTICE.len()).map(|n| (n % cols) as f32).collect();
-        let found = variances(2.0, &plane, &vec![1.0; plane.len()], 30.0, &LATTICE, &[], &tuning);
+        let found = variances(&plane, &vec![1.0; plane.len()], 30.0, &[]);
         assert!(found.iter().all(|v| v.is_finite()));
     }
 

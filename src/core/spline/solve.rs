@@ -8,11 +8,12 @@ use super::lattice::{Crossing, Lattice};
 use super::params::HyperParameters;
 use super::pits::Limits;
 use super::shelves::shelves;
+use super::shrinkage::{self, HalfWay, Relative};
 use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, misses, residual, shrinkage, soft_spots, spots};
+use super::{curvature_gain, misses, residual, soft_spots, spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, Sure, parallel};
 use crate::streams::{Stream, follow};
@@ -60,10 +61,11 @@ pub fn spline(
         tuning,
     };
     let mut surveyed = conditions.surveyed();
-    let variances = |half_way: f64, heights: &[f32], surveyed: &[(Crossing, f64)]| {
-        let shrinkage = &tuning.shrinkage;
-        let mut variances =
-            shrinkage::variances(half_way, heights, &contour_density, *spacing, &lattice, surveyed, shrinkage);
+    let variances = |error: f64, heights: &[f32], surveyed: &[(Crossing, f64)]| {
+        let half_way = HalfWay { error, relative: hyper_parameters.relative_variance };
+        let relative = Relative::new(heights, &contour_density, *spacing, &lattice, &tuning.shrinkage);
+        let density = (contour_density.as_slice(), *spacing);
+        let mut variances = relative.variances(half_way, heights, density, &lattice, surveyed, &tuning.shrinkage);
         variances.iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(variance, _)| *variance = 0.0);
         variances
     };

@@ -20,6 +20,8 @@ pub(crate) struct Prepared {
     pub frame: FrameRing,
     /// The vertical interval.
     pub interval: Interval,
+    /// The mean spacing of the contours, map units, if it is known from a larger map.
+    pub spacing: Option<f64>,
     pub(super) ends: Vec<OpenEnd>,
     pub(super) constraints: Constraints,
     pub(super) findings: Vec<Finding>,
@@ -33,7 +35,7 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
     let frame = frame_ring(&map, wanted);
     let mut findings = Vec::new();
     let (map, frame) = match wanted {
-        Frame::Polygon(_) | Frame::PolygonInHull(_) => {
+        Frame::Polygon(_) | Frame::PolygonInHull(_) | Frame::Convex(_) => {
             findings.extend(beyond_map(&map, wanted, &frame));
             let area = with_corners_at(&map.places().collect::<Vec<_>>(), &frame.area);
             let Clipped { map, area } = clip(map, &area);
@@ -46,12 +48,12 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
     let tolerance = frame.tolerance();
     let (ends, extensions) = extend_open_ends(&map, &frame, tolerance);
     let frame = match wanted {
-        Frame::Auto | Frame::Hull | Frame::Box => frame,
+        Frame::Auto | Frame::Hull | Frame::Box | Frame::Convex(_) => frame,
         Frame::Polygon(_) | Frame::PolygonInHull(_) | Frame::Outline(_) => {
             frame.with_points(&extensions.iter().map(|l| l.frame).collect::<Vec<_>>())
         }
     };
-    let is_polygon = !matches!(wanted, Frame::Auto | Frame::Hull | Frame::Box);
+    let is_polygon = !matches!(wanted, Frame::Auto | Frame::Hull | Frame::Box | Frame::Convex(_));
     let on_extensions = extensions_at(&map.spots, &extensions, tolerance);
     for (spot, extension) in map.spots.iter().zip(&on_extensions) {
         if let Some(extension) = extension.filter(|extension| extension.elevation != spot.z) {
@@ -73,7 +75,7 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
         sea,
         coast: water.coast.clone(),
     };
-    Ok(Prepared { map, frame, interval, ends, constraints, findings })
+    Ok(Prepared { map, frame, interval, spacing: None, ends, constraints, findings })
 }
 
 /// Reports how much of the user's polygon lies outside the convex hull of the map. `frame` is what it has become.

@@ -30,6 +30,8 @@ pub struct Subdivision {
     pub frame: FrameRing,
     /// The input's vertical interval.
     pub interval: Interval,
+    /// The mean spacing of the contours, map units, if it is known from a larger map.
+    pub(crate) spacing: Option<f64>,
     /// Corrections for the faults found, for [`correct`](crate::check::correct). Where the frame is no polygon, their
     /// line numbers are those of the input map.
     pub corrections: Vec<Correction>,
@@ -75,7 +77,7 @@ impl Prepared {
     /// # Errors
     /// When a contour line crosses another, or when the points have no extent.
     pub fn subdivide(self, water: &Water, progress: &dyn Progress) -> Result<Report<Subdivision>> {
-        let Self { map, mut frame, interval, ends, mut constraints, mut findings } = self;
+        let Self { map, mut frame, interval, spacing, ends, mut constraints, mut findings } = self;
         progress.start("triangulating", 0);
         let mut found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         if !water.lakes.is_empty() {
@@ -120,6 +122,7 @@ impl Prepared {
             regions,
             frame,
             interval,
+            spacing,
             corrections,
             doubted,
             gaps,
@@ -134,6 +137,9 @@ impl Prepared {
 impl Subdivision {
     /// The extent of the map, with the area of the triangles inside the frame.
     pub(crate) fn extent(&self) -> MapExtent<'_> {
+        if let Some(spacing) = self.spacing {
+            return MapExtent { map: &self.map, frame: &self.frame, interval: self.interval, spacing };
+        }
         let tin = &self.tin;
         let doubled = |t: u32| {
             let [a, b, c] = tin.corners(t);
@@ -168,10 +174,25 @@ impl Subdivision {
     ///
     /// `smooth` gives a height (metres) for a map position, or none. Corners of the frame take it where there is one.
     pub(crate) fn retriangulated(self, finer: Tin, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Self {
-        let Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, given, .. } = self;
+        let Self {
+            map, tin, regions, frame, interval, spacing, corrections, doubted, gaps, constraints, given, ..
+        } = self;
         let (tin, regions) = CarriedRegions::new(&tin, regions).on(finer);
         let tin = with_frame_heights(tin, &regions, smooth);
         let triangulation = Triangulation::default();
-        Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, triangulation, given }
+        Self {
+            map,
+            tin,
+            regions,
+            frame,
+            interval,
+            spacing,
+            corrections,
+            doubted,
+            gaps,
+            constraints,
+            triangulation,
+            given,
+        }
     }
 }

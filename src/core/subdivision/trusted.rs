@@ -33,6 +33,7 @@ impl Subdivision {
 
     /// The extent of another map in the same frame.
     pub(crate) fn extent_of<'a>(&'a self, map: &'a ContourMap) -> MapExtent<'a> {
-        MapExtent::new(map, &self.frame, self.interval)
+        let extent = MapExtent::new(map, &self.frame, self.interval);
+        self.spacing.map_or(extent, |spacing| MapExtent { spacing, ..extent })
     }
 }

@@ -33,6 +33,9 @@ pub enum Frame {
     /// An outline of the contours: vertices of theirs are its corners, and all of them lie inside. Its polygons may touch at
     /// corners.
     Outline(MultiPolygon<f64>),
+    /// The part of a hull or of a rectangle around a map that lies in a rectangle. Like a hull, it is convex, and no edge of it is
+    /// held: the triangulation ends there by itself.
+    Convex(MultiPolygon<f64>),
 }
 
 impl Frame {
@@ -40,7 +43,7 @@ impl Frame {
     pub fn polygon(&self) -> Option<&MultiPolygon<f64>> {
         match self {
             Self::Polygon(area) | Self::PolygonInHull(area) => Some(area),
-            Self::Auto | Self::Hull | Self::Box | Self::Outline(_) => None,
+            Self::Auto | Self::Hull | Self::Box | Self::Outline(_) | Self::Convex(_) => None,
         }
     }
 
@@ -130,7 +133,7 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();
     let area = match frame {
         Frame::Auto | Frame::Hull => hull().into(),
-        Frame::Outline(area) => area.clone(),
+        Frame::Outline(area) | Frame::Convex(area) => area.clone(),
         Frame::Box => match bounds() {
             Some(rect) => with_corners_at(&map.places().collect::<Vec<_>>(), &rect.to_polygon().into()),
             None => MultiPolygon::<f64>::new(Vec::<Polygon<f64>>::new()),

@@ -40,7 +40,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let tuning = &params.tuning;
     let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
     let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
-    let prepared = prepare(map, &params.frame, &params.water)?;
+    let mut prepared = prepare(map, &params.frame, &params.water)?;
+    if let Some(whole) = &params.whole {
+        (prepared.interval, prepared.spacing) = (whole.interval, Some(whole.spacing));
+    }
     let interval = prepared.interval;
     let groups = Groups::new(&MapExtent::new(&prepared.map, &prepared.frame, interval), params);
     let largest = groups.largest();
@@ -50,7 +53,9 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let first_trials = TrialParams { needless: Some(&needless), ..trials };
     // Triangulating keeps only one thread busy. The choice of hyper-parameters needs only the contours, so it runs
     // beside it. It is needless if elevations turn out to be wrong, or if triangulating fails.
-    let to_choose = (params.kind == SurfaceKind::Spline).then(|| match &largest {
+    let of_whole = params.whole.as_ref().and_then(|whole| whole.chosen);
+    let is_open = params.kind == SurfaceKind::Spline && of_whole.is_none();
+    let to_choose = is_open.then(|| match &largest {
         None => (prepared.map.clone(), prepared.frame.clone()),
         Some(largest) => (largest.part(&prepared.map), largest.ring().clone()),
     });
@@ -64,7 +69,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let Triangulated { mut subdivision, trusted, mended, closures, mut streams, mut creases, finer, mut findings } =
         found?;
     let mut sinks = params.sinks.clone();
-    let mut chosen = mended.or(chosen);
+    let mut chosen = of_whole.or(mended).or(chosen);
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     if let Some(finer) = finer {
@@ -247,7 +252,8 @@ fn triangulated(
         };
         Chosen { is_mended: true, ..chosen }
     };
-    let to_mend = trusted.as_ref().filter(|_| params.kind == SurfaceKind::Spline);
+    let is_open = params.kind == SurfaceKind::Spline && params.whole.is_none();
+    let to_mend = trusted.as_ref().filter(|_| is_open);
     // Triangulating with the ridge and canyon lines keeps one thread busy too.
     let (mended, finer) = rayon::join(|| to_mend.map(of_map), finer);
     let finer = finer?;

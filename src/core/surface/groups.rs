@@ -56,7 +56,10 @@ impl Groups {
     /// Divides a map into groups if one working grid would be coarser than its contours ask for.
     pub fn new(extent: &MapExtent<'_>, params: &SurfaceParams) -> Self {
         let wanted = params.spline.wanted;
-        if extent.frame.area.0.len() < 2 || coarser_than_asked(extent, wanted, &params.tuning.spline.grid).is_none() {
+        if params.whole.is_some()
+            || extent.frame.area.0.len() < 2
+            || coarser_than_asked(extent, wanted, &params.tuning.spline.grid).is_none()
+        {
             return Self { groups: Vec::new() };
         }
         let boxes: Vec<Rect<f64>> = extent.frame.area.iter().filter_map(BoundingRect::bounding_rect).collect();
@@ -104,11 +107,12 @@ impl Groups {
 
     /// The working grids. Their nodes are close enough for the contours, and for break lines that run beside each other.
     pub fn grids(&self, subdivision: &Subdivision, params: &SurfaceParams) -> Vec<Grid> {
-        let tuning = &params.tuning;
+        if let Some(whole) = &params.whole {
+            let (lo, hi) = subdivision.frame.extent();
+            return vec![whole.grid_of([lo, hi])];
+        }
         self.extents(subdivision, |extent| {
-            let grid = working_grid(extent, params.spline.wanted, &tuning.spline.grid);
-            let wanted = tuning.creases.nodes_per_line_spacing * (grid.cell.x * grid.cell.y).sqrt();
-            finer_grid(&grid, wanted / creases::spacing(&params.creases, wanted))
+            node_grid(working_grid(extent, params.spline.wanted, &params.tuning.spline.grid), params)
         })
     }
 
@@ -121,6 +125,12 @@ impl Groups {
         }
         shares
     }
+}
+
+/// A working grid whose nodes are close enough for break lines that run beside each other, too.
+pub(super) fn node_grid(grid: Grid, params: &SurfaceParams) -> Grid {
+    let wanted = params.tuning.creases.nodes_per_line_spacing * (grid.cell.x * grid.cell.y).sqrt();
+    finer_grid(&grid, wanted / creases::spacing(&params.creases, wanted))
 }
 
 /// The group of a map with most vertices.

@@ -26,6 +26,7 @@ mod sample;
 mod skeleton_lines;
 mod smooth_height;
 mod trial_builder;
+mod whole;
 
 pub use along_streams::largest_stream_change;
 pub use build::build;
@@ -42,3 +43,4 @@ pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 #[doc(hidden)]
 pub use places::InOther;
 pub use sample::{heights, heights_on};
+pub use whole::Whole;

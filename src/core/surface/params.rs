@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::whole::Whole;
 use crate::base::error::{Error, Result};
 use crate::creases::CreaseLine;
 use crate::drain::{Drain, Sink};
@@ -79,6 +80,8 @@ pub struct SurfaceParams {
     pub sinks: Vec<Sink>,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
+    /// Figures of the whole map, if the map that is built is a part of one.
+    pub whole: Option<Whole>,
     /// Which triangles are needed. Only for [`SurfaceKind::Spline`].
     pub triangles: Triangles,
     /// Whether the expected error is estimated.
@@ -102,6 +105,7 @@ impl Default for SurfaceParams {
             drain: Drain::default(),
             sinks: Vec::new(),
             spline: SplineParams::default(),
+            whole: None,
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
             memory: None,

@@ -94,6 +94,7 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
         noise,
         crease_threshold: usual_threshold,
         half_way_error: 0.0,
+        relative_variance: 0.0,
         curvature_gain: 0.0,
     };
     let chosen =
@@ -133,6 +134,7 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     let hyper_parameters = HyperParameters {
         crease_threshold: crease_threshold(&hidden, tuning),
         half_way_error,
+        relative_variance: relative_variance(&residuals[nearest]),
         curvature_gain: gain,
         ..hyper_parameters(tension)
     };
@@ -193,6 +195,13 @@ fn lowest([a, b, c]: [f64; TRIED], beyond: f64) -> f64 {
     at.clamp(-beyond, 2.0 + beyond)
 }
 
+/// The mean of the relative variance over the ground.
+fn relative_variance(residuals: &[TrialResidual]) -> f64 {
+    let (sum, weights) =
+        residuals.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.relative_variance, w + m.weight));
+    sum / weights
+}
+
 fn rmse(residuals: &[TrialResidual]) -> f64 {
     let (sum, weights) = residuals.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
     (sum / weights).sqrt()
@@ -239,7 +248,7 @@ mod tests {
         let of = |share: f64| -> Vec<TrialResidual> {
             let place = |k: i32| {
                 let (error, unit_gain) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
-                TrialResidual { by: error - 2.0 * share * unit_gain, weight: 1.0, unit_gain }
+                TrialResidual { by: error - 2.0 * share * unit_gain, weight: 1.0, unit_gain, relative_variance: 1.0 }
             };
             (0..400).map(place).collect()
         };
@@ -255,13 +264,13 @@ mod tests {
         );
         assert_eq!(gain(&residuals, 1e9), gain(&residuals, tried(&tuning)[2]));
         assert_eq!(gain(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
-        let none = || vec![TrialResidual { by: 1.0, weight: 1.0, unit_gain: 0.0 }];
+        let none = || vec![TrialResidual { by: 1.0, weight: 1.0, unit_gain: 0.0, relative_variance: 1.0 }];
         assert_eq!(gain(&[none(), none(), none()], 3.0), 0.0);
     }
 
     #[test]
     fn errors_count_by_weight() {
-        let of = |weight: f64, by: f64| TrialResidual { by, weight, unit_gain: 0.0 };
+        let of = |weight: f64, by: f64| TrialResidual { by, weight, unit_gain: 0.0, relative_variance: 1.0 };
         let mut residuals = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
         assert!((rmse(&residuals).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
         assert_eq!(le90(&mut residuals), 4.0);

@@ -63,6 +63,8 @@ pub struct TrialResidual {
     /// Curvature gain at the place, for a standard error of one metre half-way between contours
     /// ([`unit_gain`](crate::spline::curvature_gain::unit_gain)).
     pub unit_gain: f64,
+    /// Relative variance of the surface at the place.
+    pub relative_variance: f64,
 }
 
 /// The residuals of surfaces with these hyper-parameters at hidden contours. The odd and the even levels are hidden in
@@ -253,12 +255,15 @@ impl Trial {
                 return Vec::new();
             }
             let (surface, _) = spline(&conditions, &hyper_parameters, tuning, &());
-            let unit_gain = conditions.unit_curvature_gain(&surface.heights, tuning);
+            let [unit_gain, relative] = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
             let residual = |(place, weight): (&HiddenPlace, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
-                let unit_gain = f64::from(between(grid, &unit_gain, place.at)?);
-                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| TrialResidual { by, weight, unit_gain })
+                let [unit_gain, relative_variance] =
+                    [&unit_gain, &relative].map(|values| between(grid, values, place.at));
+                let (unit_gain, relative_variance) = (f64::from(unit_gain?), f64::from(relative_variance?));
+                let weight = weight.filter(|w| *w > 0.0 && by.is_finite())?;
+                Some(TrialResidual { by, weight, unit_gain, relative_variance })
             };
             all.filter_map(residual).collect()
         })

@@ -22,7 +22,6 @@ use geo::{BoundingRect, MultiPolygon};
 use glam::{DVec2, DVec3};
 
 use crate::terrain::base::Base;
-use crate::terrain::part::Part;
 use crate::terrain::plane::{Plane, named, on_plane, settle};
 use crate::terrain::units::Elevations;
 use tokosen_core::arrays;
@@ -108,7 +107,7 @@ pub struct Input {
     /// Levels that are real, whatever they look like; metres.
     pub(super) known_levels: Vec<f64>,
     /// The part of the map that is asked for.
-    pub(super) part: Option<Part>,
+    pub(super) part: Option<MultiPolygon<f64>>,
     /// The height map that gives the heights outside the frame.
     pub(super) base: Option<Base>,
     /// The parts of the map that were left out, on the working plane. They may overlap.

@@ -4,14 +4,14 @@ use geo::{Area, MultiPolygon};
 use glam::DVec2;
 
 use super::Input;
-use crate::terrain::part::{Part, box_area};
+use crate::terrain::part::{box_area, check_on_map};
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::crs::Crs;
 
 impl Input {
     /// Limits results to an area of the map: lines end at its border, height maps cover it. The contours around it still
     /// count, unlike with [`Input::set_boundary`]. The area is in the contours' coordinate reference system if `crs` is
-    /// `None`. Call it before [`Input::prepare`]: lines far from the area are left out.
+    /// `None`.
     ///
     /// # Errors
     /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
@@ -22,9 +22,8 @@ impl Input {
                 "the part of the map has no area: coordinates are rounded to micrometres; choose a larger part";
             return Err(Error::Parameter(message.into()));
         }
-        let part = Part::new(area, &self.map).map_err(|error| self.in_drawing(error))?;
-        part.cut(&mut self.map);
-        self.part = Some(part);
+        check_on_map(&area, &self.map).map_err(|error| self.in_drawing(error))?;
+        self.part = Some(area);
         Ok(())
     }
 

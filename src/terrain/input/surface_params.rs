@@ -30,6 +30,7 @@ impl Input {
             drain: options.drain,
             sinks,
             spline: SplineParams { wanted, tension: options.tension, noise: options.noise },
+            whole: None,
             triangles: options.triangles,
             uncertainty: options.uncertainty,
             memory: options.memory,
