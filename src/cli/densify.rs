@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::Target;
-use tokosen::contour::{ContourLayer, Source};
+use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;
 use tokosen::draw::preview::picture;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
-use tokosen::layers::LayerParams;
-use tokosen::surface::{Triangles, working_pits};
+use tokosen::layers::{LayerParams, are_given};
+use tokosen::surface::{SurfaceKind, Triangles, working_pits};
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
-use tokosen::{Options, Terrain};
+use tokosen::{Input, Options, Terrain};
 
 use super::compare::{draw, open_page, summarise};
 use super::console::Console;
@@ -25,7 +26,7 @@ use super::levels::{LevelsArgs, output_layers};
 use super::output::{self, ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::summary;
-use super::surface::{ABOUT_PITS, SurfaceArgs};
+use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
 use super::unit::in_units;
 
 /// Contour lines at a finer interval
@@ -117,7 +118,6 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let back = args.levels.to_crs.way(&input.reprojection, unit)?;
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
-    let mut terrain = job.build(&mut input, &args.surface, options)?;
     let params = LayerParams {
         targets: targets.clone(),
         unit,
@@ -126,7 +126,20 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         keep_input: args.keep_input,
         memory: None,
     };
-    let layers = terrain.contours_with(params, console)?;
+    let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
+    let made = |input: &mut Input, options: Options| -> Result<(Terrain, Vec<ContourLayer>), Failure> {
+        let terrain = job.build(input, &args.surface, options)?;
+        let layers = terrain.contours_with(params.clone(), console)?;
+        Ok((terrain, layers))
+    };
+    let linear = if !wants_pits && args.wants_lines_of_input(&input, &targets, unit)? {
+        let options = Options { kind: SurfaceKind::Linear, ..options.clone() };
+        Some(made(&mut input.clone(), options)?).filter(|(_, layers)| layers.iter().all(is_of_input))
+    } else {
+        None
+    };
+    let has_surface = linear.is_none();
+    let (mut terrain, layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
     let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
     let written = console.step("writing", || {
         let all = output_layers(&layers, labels.as_deref(), &names, &back);
@@ -134,14 +147,17 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     })?;
     let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
-    let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
     job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
 
     let findings = std::mem::take(&mut terrain.findings);
     job.report(&findings, &terrain.surface.map);
-    summary::surface(&terrain.surface, console);
+    if has_surface {
+        summary::surface(&terrain.surface, console);
+    } else {
+        console.say("surface    none: the input has contours at all levels that are asked for");
+    }
     pits.iter().for_each(|pits| summary::pits(pits, "smooth surface", console));
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
@@ -215,6 +231,15 @@ impl DensifyArgs {
         self.surface.check(flags)
     }
 
+    /// Whether only lines are asked for, and the input has its own at all their levels. Where it has no gaps, no surface is needed.
+    fn wants_lines_of_input(&self, input: &Input, targets: &[Target], unit: ElevationUnit) -> Result<bool, Failure> {
+        let Self { dem, compare, preview, surface, .. } = self;
+        let wants_more = [dem, compare, preview].into_iter().any(Option::is_some);
+        let has_features = surface.files().next().is_some() || surface.water.sea.is_some();
+        let is_plain = !wants_more && !has_features && !self.height_map.uncertainty;
+        Ok(is_plain && surface.surface == KindArg::Spline && are_given(&input.map, targets, unit)?)
+    }
+
     /// Checks the paths of all files; `files` and `layers` are those of the contours.
     fn start<'a>(&'a self, files: &[PathBuf], layers: &[&str], console: &'a Console) -> Result<Job<'a>, Failure> {
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
@@ -236,8 +261,13 @@ impl DensifyArgs {
     }
 }
 
+/// Whether all lines of a layer are those of the input.
+fn is_of_input(layer: &ContourLayer) -> bool {
+    layer.lines.iter().all(|line| line.source == Source::Input) && layer.artefact_rings + layer.dead_ends == 0
+}
+
 /// The lines of the layer with the most of them, for the picture.
-fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
+fn finest(layers: &[ContourLayer]) -> &[ContourLine] {
     layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
 }
 

@@ -10,7 +10,7 @@ use crate::base::error::{Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::base::{ElevationUnit, parallel};
-use crate::contour::{ContourLayer, ContourLine, LineError, Source, Target};
+use crate::contour::{ContourLayer, ContourLine, ContourMap, LineError, Source, Target};
 use crate::slice::{Bends, Simplification, as_given, ascends_right, signed_area, slice};
 use crate::subdomains::MapExtent;
 use crate::surface::Surface;
@@ -57,6 +57,31 @@ impl Default for LayerParams {
     }
 }
 
+/// Whether a map has contours at all levels of the targets from its lowest level to its highest. Then lines are new only where
+/// contours are missing.
+///
+/// # Errors
+/// When the levels of a target are out of range (see [`Target::levels`]).
+pub fn are_given(map: &ContourMap, targets: &[Target], unit: ElevationUnit) -> Result<bool> {
+    let given = levels_of(map);
+    let [Some(&lowest), Some(&highest)] = [given.first(), given.last()] else { return Ok(false) };
+    for target in targets {
+        let levels = target.levels(unit, lowest, highest)?;
+        if !levels.into_iter().all(|level| given.contains(&as_given(&given, level))) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// The levels of a map, ascending.
+fn levels_of(map: &ContourMap) -> Vec<f64> {
+    let mut levels: Vec<f64> = map.contours.iter().map(|c| c.elevation).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    levels
+}
+
 /// The contour lines of each target: the input contours unchanged, and new contours at the other levels.
 ///
 /// * All input contours are in a layer, unless its interval is coarser than theirs: then those at its levels
@@ -80,9 +105,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     if params.targets.is_empty() {
         return Err(Error::Parameter("no interval and no levels are given".into()));
     }
-    let mut given: Vec<f64> = map.contours.iter().map(|c| c.elevation).collect();
-    given.sort_by(f64::total_cmp);
-    given.dedup();
+    let given = levels_of(map);
     let wanted: Vec<Vec<f64>> = params
         .targets
         .iter()

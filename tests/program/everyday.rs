@@ -6,6 +6,7 @@ use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_contours};
 
 use crate::guide_pages::{commands, inputs, run, words};
+use crate::running::{Running, folder_with};
 
 const PAGE: &str = include_str!("../../src/guide/everyday.md");
 
@@ -42,4 +43,33 @@ fn every_command_of_the_page_runs() {
     let spots = std::fs::read_to_string(folder.path("spots.csv")).unwrap();
     let dem = read_dem(&folder.path("with_spots.tif")).unwrap().value.dem;
     assert!(spots.lines().count() == 4 && dem.values.iter().any(|z| z.is_finite()));
+}
+
+#[test]
+fn lines_at_levels_of_the_input_need_no_surface() {
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let text = folder.succeeds("densify in.gpkg -i 40 -o coarse.geojson");
+    assert!(text.contains("surface    none"), "{text}");
+    // With a picture the surface is made. The lines are the same.
+    let text = folder.succeeds("densify in.gpkg -i 40 -o with_surface.geojson --preview look.png");
+    assert!(text.contains("surface    smooth"), "{text}");
+    let bytes = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    assert_eq!(bytes("coarse.geojson"), bytes("with_surface.geojson"));
+    // Where a contour is missing, its line is found on the surface.
+    let line = |level: u32, end: f64| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"elev":{level}}},"geometry":{{"type":"LineString",
+            "coordinates":[[500000,{y}],[{end},{y}]]}}}}"#,
+            y = 4_000_000 + 5 * level
+        )
+    };
+    let lines =
+        [(10, 500_100.0), (20, 500_040.0), (30, 500_100.0), (40, 500_100.0)].map(|(level, end)| line(level, end));
+    let map = format!(
+        r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:32616"}}}},"features":[{}]}}"#,
+        lines.join(",")
+    );
+    std::fs::write(folder.path("gap.geojson"), map).unwrap();
+    let text = folder.succeeds("densify gap.geojson -i 10 -o whole.geojson");
+    assert!(text.contains("surface    smooth") && text.contains(" 1 new line"), "{text}");
 }
