@@ -9,7 +9,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{Derivative, Derived, HeightsFrom, SteepParams, Steeps, check, steep, steep_note};
-use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
+use tokosen::io::layer::{STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, open_dem};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, write_layers};
 use tokosen::raster::{GroundScale, RasterRows, WithCrs, in_plane_unit, metres_per_unit};
@@ -177,7 +177,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         }
         None => None,
     };
-    let catchments = outputs.flow.write(&*heights, &scale, tiff, console)?;
+    let found = args.flow.write(&outputs.flow, (&*heights, &scale), tiff, (&mut findings, console))?;
     findings.extend(heights.findings());
     // For contours, `--strict` was checked when they were read.
     if args.input.map.strict {
@@ -186,8 +186,10 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&findings, console);
-    let rasters = [outputs.slope, outputs.aspect, outputs.shade, outputs.flow.directions, outputs.flow.accumulation];
-    for staged in rasters.into_iter().flatten() {
+    let mut flow = outputs.flow;
+    let of_flow = [flow.directions.take(), flow.accumulation.take()];
+    let rasters = [outputs.slope, outputs.aspect, outputs.shade].into_iter().chain(of_flow);
+    for staged in rasters.flatten() {
         let path = staged.commit()?;
         console.say(&format!("written    {} ({} x {} cells)", path.display(), grid.cols, grid.rows));
     }
@@ -195,9 +197,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         describe(&staged.commit()?, steeps, args, console);
         console.say(&format!("note       {note}"));
     }
-    if let (Some(staged), Some(catchments)) = (outputs.flow.catchments, &catchments) {
-        catchments.describe(&staged.commit()?, console);
-    }
+    flow.commit(&args.flow, &found, heights.crs(), console)?;
     summary::close_part(findings.len(), outside, console);
     Ok(())
 }
@@ -206,8 +206,8 @@ impl DeriveArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, is_raster: bool, console: &Console) -> Result<(), Failure> {
         if self.outputs().next().is_none() {
-            let flags =
-                "--slope, --aspect, --hillshade, --steep, --flow-direction, --flow-accumulation or --catchments";
+            let flags = "--slope, --aspect, --hillshade, --steep, --flow-direction, --flow-accumulation, --catchments, \
+                         --stream-lines or --flood";
             return Err(Failure::Usage(format!("choose an output: {flags} FILE")));
         }
         let crs = self.to_crs.to_crs.as_ref();
@@ -238,16 +238,15 @@ impl DeriveArgs {
         self.cog.check(self.rasters())?;
         let files = self.input.map.files()?;
         let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
-        let inputs = inputs.chain(self.part.file()).chain(self.base.file());
+        let inputs = inputs.chain(self.part.file()).chain(self.base.file()).chain(self.flow.inputs());
         let inputs: Vec<&Path> = inputs.collect();
-        let of_catchments = self.flow.catchments.as_deref();
-        let layers = |path| if Some(path) == of_catchments { &[CATCHMENTS_LAYER] } else { &[STEEP_LAYER] };
-        let planned = |path| PlannedOutput { path, layers: layers(path) };
-        Ok(console.check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>())?)
+        Ok(console.check_paths(&inputs, &self.outputs().collect::<Vec<_>>())?)
     }
 
-    fn outputs(&self) -> impl Iterator<Item = &Path> {
-        self.rasters().chain(self.steep.as_deref()).chain(self.flow.areas())
+    fn outputs(&self) -> impl Iterator<Item = PlannedOutput<'_>> {
+        let rasters = self.rasters().map(PlannedOutput::from);
+        let steep = self.steep.as_deref().map(|path| PlannedOutput { path, layers: &[STEEP_LAYER] });
+        rasters.chain(steep).chain(self.flow.vectors())
     }
 
     fn rasters(&self) -> impl Iterator<Item = &Path> {

@@ -17,6 +17,7 @@ pub use blocks::Blocks;
 pub use blocks::each_pair;
 #[doc(hidden)]
 pub use ground::other_unit;
+pub(crate) use gradient::gradient_at;
 pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
 pub use height_map::Dem;
 #[doc(hidden)]

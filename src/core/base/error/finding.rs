@@ -217,6 +217,10 @@ kinds! {
     SinkOutside = "sink-outside", Note, "sinks outside the frame";
     /// Ground inside contours that are all higher was drained, as asked for.
     HollowDrained = "hollow-drained", Note, "hollows inside contours drained";
+    /// An outlet whose catchment is asked for lies outside the height map.
+    OutletOutside = "outlet-outside", Warning, "outlets outside the height map";
+    /// The catchment above an outlet reaches the edge of the height map. In truth it may be larger.
+    CatchmentCut = "catchment-cut", Warning, "catchments that reach the edge of the height map";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
