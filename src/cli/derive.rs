@@ -1,4 +1,4 @@
-//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade, steep places and the flow of water out.
+//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade, steep places, the flow of water and floods out.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ use super::surface::{ABOUT_SURFACE, SurfaceArgs};
 use super::unit::UnitArg;
 use super::{memory, summary};
 
-/// Slope, aspect, hillshade, steep places, flow of water and catchments
+/// Slope, aspect, hillshade, steep places, flow of water, catchments, streams and floods
 ///
 /// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
 /// and aspect are computed over 3 x 3 cells (Horn's method); at the border and beside cells without data, heights are
@@ -43,8 +43,10 @@ use super::{memory, summary};
 /// that touch at a corner have the same area_id. The result is no survey: 10 m contours cannot show slopes 5 m high.
 ///
 /// Water flows from each cell to one of the eight cells around it, along the steepest descent. Pits are flooded, so that
-/// all water reaches an outlet at the border of the height map or beside cells without data. Attributes of layer
-/// catchments: catchment, area_m2 (on the map), outlet_x, outlet_y.
+/// all water reaches an outlet at the border of the height map or beside cells without data, where the ground falls outwards.
+/// Attributes of layer catchments: catchment, area_m2 (on the map), outlet_x, outlet_y; with --outlet also above_m2 (all ground
+/// above the outlet), moved_m. Of layer stream_lines: line, into (the line that it runs into), strahler, length_m, fall_m,
+/// above_m2. Of layer flood: area_m2, volume_m3, depth_max.
 #[derive(Debug, Args)]
 #[command(
     after_help = EXAMPLES,
@@ -120,6 +122,8 @@ Examples:
   tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
   tokosen derive contours.gpkg --base published_dem.tif --cell 5 --flow-accumulation flow.tif
   tokosen derive dem.tif --flow-accumulation streams.tif --catchments catchments.gpkg
+  tokosen derive dem.tif --outlet 1234,5678 --catchments above.gpkg --stream-lines streams.gpkg --threshold 100000
+  tokosen derive dem.tif --flood depth.tif --flood-level 12.5
   tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
 
 /// Greatest height of a steep place that may be asked for, metres; no slope on Earth is higher.

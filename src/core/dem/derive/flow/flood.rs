@@ -100,8 +100,9 @@ pub fn flood_to_level(
 
 /// Finds the ground less than `rise` metres above the stream that it drains to. Streams are cells through which at least
 /// `threshold` square metres drain (`areas`, from [`flow_accumulation`](super::flow_accumulation)). The water stands `rise`
-/// metres above the stream's ground there (height above the nearest drainage: Rennó et al. 2008, Remote Sensing of
-/// Environment 112). Ground behind a rim that is higher than the water stays dry, and so does ground that drains to no stream.
+/// metres above the stream there (height above the nearest drainage: Rennó et al. 2008, Remote Sensing of Environment 112). A
+/// stream has the height of its ground; in a pit, the height at which water leaves it. Ground behind a rim that is higher than
+/// the water stays dry, and so does ground that drains to no stream.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] if the threshold is not above 0, or the rise is not. [`Error::OutOfMemory`] as in [`flood_to_level`].
@@ -122,18 +123,23 @@ pub fn flood_along_streams(
     let height = |cell: usize| f64::from(dem.values[cell]);
     let is_stream = |cell: usize| f64::from(areas.values[cell]) >= threshold;
     let mut depths = uniform(dem.values.len(), f32::NAN)?;
-    let mut wet: Vec<u32> = Vec::new();
-    for stream in (0..dem.values.len()).filter(|&cell| is_stream(cell)) {
-        // From the stream up all ways that lead to it, until the ground is as high as the water.
-        let level = height(stream) + rise;
-        depths[stream] = rise as f32;
-        wet.push(stream as u32);
-        while let Some(cell) = wet.pop() {
-            for (_, near) in neighbours(cell as usize, cols, rows).flatten() {
-                let drains_here = directions.downstream(near) == Some(cell as usize);
-                if drains_here && !is_stream(near) && height(near) < level {
-                    depths[near] = (level - height(near)) as f32;
-                    wet.push(near as u32);
+    // Cells, each with the level of its stream, as high at least as that of the stream below it.
+    let mut wet: Vec<(u32, f64)> = Vec::new();
+    let is_end = |cell: &usize| is_stream(*cell) && directions.downstream(*cell).is_none();
+    for end in (0..dem.values.len()).filter(is_end) {
+        wet.push((end as u32, height(end)));
+        while let Some((cell, stream)) = wet.pop() {
+            let cell = cell as usize;
+            depths[cell] = (stream + rise - height(cell)) as f32;
+            // Up all ways that lead here, until the ground is as high as the water.
+            for (_, near) in neighbours(cell, cols, rows).flatten() {
+                if directions.downstream(near) != Some(cell) {
+                    continue;
+                }
+                if is_stream(near) {
+                    wet.push((near as u32, stream.max(height(near))));
+                } else if height(near) < stream + rise {
+                    wet.push((near as u32, stream));
                 }
             }
         }
