@@ -7,7 +7,7 @@ use crate::guarantees::{Refusal, Tally, check, check_dem, clean_map, map_of};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
-use tokosen::base::error::{Finding, FindingKind};
+use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::Target;
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
@@ -156,6 +156,61 @@ fn a_start_below_a_ridge_is_cut_and_told_like_an_end_above_one() {
     // Drawn the other way round, the same is left out.
     let back: Vec<(f64, f64)> = over.iter().rev().copied().collect();
     cuts(&back);
+}
+
+/// A slope that falls to the south, with a valley in each of the columns `x = 200 k`, by its contours every 10 m.
+fn valleys() -> ContourMap {
+    let contour = |k: i32| {
+        let point = |i: i32| {
+            let off = f64::from((i + 5).rem_euclid(10) - 5).abs();
+            DVec2::new(20.0 * f64::from(i), 100.0 * f64::from(k) - 12.0 * off)
+        };
+        Contour { elevation: 10.0 * f64::from(k), points: (-5..=125).map(point).collect(), feature: 0.into() }
+    };
+    ContourMap { contours: (0..=8).map(contour).collect(), ..ContourMap::default() }
+}
+
+#[test]
+fn streams_of_another_place_are_one_error() {
+    // In each valley a stream; `off` is how far to the east they are.
+    let streams = |off: f64, tolerance: Option<f64>| {
+        let line = |k: u64| StreamLine {
+            points: (0..=66).map(|i| DVec2::new(200.0 * k as f64 + off, 720.0 - 10.0 * f64::from(i))).collect(),
+            feature: k.into(),
+        };
+        let streams = Streams { lines: (0..12).map(line).collect(), tolerance, ..Streams::default() };
+        build(valleys(), &SurfaceParams { streams, ..SurfaceParams::default() }, &())
+    };
+    let beside = streams(3.0, None).unwrap();
+    assert_eq!((beside.value.streams.len(), count(&beside.findings, FindingKind::StreamBeside)), (12, 0));
+    let error = streams(60.0, None).unwrap_err();
+    assert!(matches!(error, Error::StreamsElsewhere(_)), "{error}");
+    assert!(error.to_string().contains("100 % of the"), "{error}");
+    // Who wants them all the same gets them.
+    assert_eq!(streams(60.0, Some(0.0)).unwrap().value.streams.len(), 12);
+}
+
+#[test]
+fn a_stream_that_parts_is_told_of_unless_its_branches_meet_again() {
+    let stem = [(0.0, 570.0), (0.0, 330.0)];
+    let [west, east] = [-3.0, 3.0].map(|x| [(0.0, 330.0), (x, 280.0), (0.0, 230.0)]);
+    let below = [(0.0, 230.0), (0.0, 60.0)];
+    let parting = |lines: &[&[(f64, f64)]]| count(&built(valley(), lines, Some(8.0)).1, FindingKind::StreamParts);
+    assert_eq!(parting(&[&stem, &west, &east, &below]), 0, "an island");
+    let away = [(0.0, 330.0), (60.0, 200.0), (90.0, 40.0)];
+    assert_eq!(parting(&[&stem, &west, &below, &away]), 1);
+    assert_eq!(parting(&[&stem, &west, &below]), 0);
+}
+
+#[test]
+fn a_stream_over_a_ridge_between_contours_is_told_of() {
+    // Between the contours of 40 and 30 m, spot heights show a hollow and a rise behind it.
+    let climbs = |drawn: &[(f64, f64)]| {
+        let spots = vec![DVec3::new(0.0, 370.0, 31.5), DVec3::new(0.0, 330.0, 39.0)];
+        count(&built(ContourMap { spots, ..valley() }, &[drawn], Some(0.5)).1, FindingKind::StreamClimbs)
+    };
+    assert_eq!(climbs(&[(0.0, 395.0), (0.0, 60.0)]), 1);
+    assert_eq!(climbs(&[(0.0, 290.0), (0.0, 60.0)]), 0);
 }
 
 #[test]

@@ -181,6 +181,12 @@ kinds! {
     StreamBeside = "stream-beside", Warning, "streams beside their valleys";
     /// A stream runs upwards across a contour. The part that does was left out.
     StreamCut = "stream-cut", Warning, "streams that run upwards across contours";
+    /// The surface rises along a stream between contours. The stream falls all the same.
+    StreamClimbs = "stream-climbs", Warning, "streams along which the ground rises";
+    /// A stream parts, and its branches do not meet again.
+    StreamParts = "stream-parts", Warning, "streams that part";
+    /// Most streams contradict the contours. They are of another place.
+    StreamsElsewhere = "streams-elsewhere", Error, "streams that are not those of the contours";
     /// A stream, or a piece of it, is no line along which water runs: a point, a loop, a copy. It was left out.
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
