@@ -35,6 +35,13 @@ fn built(map: ContourMap, lines: &[&[(f64, f64)]], tolerance: Option<f64>) -> (S
     (report.value, report.findings)
 }
 
+/// Parameters that take random lines as streams, although the contours contradict most of them.
+fn of_any_place() -> SurfaceParams {
+    let mut params = SurfaceParams::default();
+    params.tuning.streams.elsewhere = 1.0;
+    params
+}
+
 fn count(findings: &[Finding], kind: FindingKind) -> usize {
     findings.iter().filter(|finding| finding.kind == kind).count()
 }
@@ -438,7 +445,7 @@ fn beyond_the_cells_of_streams_heights_stay() {
     for seed in 0..12 {
         let map = clean_map(map_of(&common::hills(seed, 60, 50).contours()));
         let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
-        let params = SurfaceParams { streams, ..SurfaceParams::default() };
+        let params = SurfaceParams { streams, ..of_any_place() };
         let surface = build(map, &params, &()).unwrap().value;
         let working = &surface.working.as_ref().unwrap().0[0];
         let dem = heights(&surface, &working.grid, &());
@@ -537,7 +544,7 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
                 let what = format!("{} {kind:?} {seed}", terrain.kind);
                 let streams = Streams { lines: random_streams(&map, seed), tolerance: None, ..Streams::default() };
                 let creases = random_break_lines(&map, seed);
-                let params = SurfaceParams { kind, streams, creases, ..SurfaceParams::default() };
+                let params = SurfaceParams { kind, streams, creases, ..of_any_place() };
                 let spots = map.contours.iter().filter_map(|c| Some((c.points.first()?, c.elevation)));
                 let soft = |(p, z): (&DVec2, f64)| SoftSpot { place: p.extend(z + 3.0), sigma: 2.0 };
                 let map = ContourMap { soft_spots: spots.map(soft).collect(), ..map.clone() };
@@ -567,7 +574,7 @@ fn threads_do_not_change_streams() {
     let map = clean_map(map_of(&terrain.contours()));
     let streams = Streams { lines: random_streams(&map, 5), tolerance: None, ..Streams::default() };
     let creases = random_break_lines(&map, 5);
-    let params = SurfaceParams { streams, creases, ..SurfaceParams::default() };
+    let params = SurfaceParams { streams, creases, ..of_any_place() };
     let in_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| build(map.clone(), &params, &()).unwrap().value)
