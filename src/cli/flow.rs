@@ -9,9 +9,7 @@ use tokosen::dem::derive::{
     Accumulated, Flood, FlowDirections, FlowLine, catchment_parts, catchments, flow_accumulation, flow_directions,
     flow_lines,
 };
-use tokosen::io::layer::{
-    CATCHMENTS_LAYER, FLOOD_LAYER, STREAM_LINES_LAYER, of_catchments, of_flow_lines, of_outlets,
-};
+use tokosen::io::layer::{CATCHMENTS_LAYER, FLOOD_LAYER, STREAM_LINES_LAYER, of_catchments, of_flow_lines, of_outlets};
 use tokosen::io::raster::{Quantity, RasterParams, TiffLayout};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers};
 use tokosen::raster::{Dem, GroundScale, RasterRows};
@@ -130,7 +128,8 @@ impl FlowArgs {
     /// The rasters.
     pub fn rasters(&self) -> impl Iterator<Item = &Path> {
         let catchments = self.catchments.as_deref().filter(|path| is_raster(path));
-        let files = [self.flow_direction.as_deref(), self.flow_accumulation.as_deref(), catchments, self.flood.raster()];
+        let files =
+            [self.flow_direction.as_deref(), self.flow_accumulation.as_deref(), catchments, self.flood.raster()];
         files.into_iter().flatten()
     }
 
@@ -273,7 +272,8 @@ impl Ground<'_> {
 impl FlowOutputs {
     /// Puts the files of catchments, streams and floods in their places, and prints what is in them.
     pub fn commit(self, args: &FlowArgs, found: &Found, crs: Option<&Crs>, console: &Console) -> Result<(), Failure> {
-        if let (Some(staged), Some(CatchmentsFound { count, polygons, outlets })) = (self.catchments, &found.catchments) {
+        if let (Some(staged), Some(CatchmentsFound { count, polygons, outlets })) = (self.catchments, &found.catchments)
+        {
             let path = staged.commit()?;
             outlets.iter().for_each(|found| outlets::describe(found, crs, console));
             let polygons =

@@ -134,7 +134,8 @@ pub fn flood_source(places: &[Place], dem: &Dem, level: f64) -> Result<FloodFrom
         let place = dem.grid.place(*at).round();
         let is_on = place.cmpge(DVec2::ZERO).all() && place.cmplt(size).all();
         let cell = is_on.then(|| place.y as usize * dem.grid.cols + place.x as usize);
-        let known = cell.and_then(|cell| Some((cell, f64::from(*dem.values.get(cell)?)))).filter(|(_, z)| z.is_finite());
+        let known =
+            cell.and_then(|cell| Some((cell, f64::from(*dem.values.get(cell)?)))).filter(|(_, z)| z.is_finite());
         match known {
             Some((cell, height)) if height < level => Ok(cell),
             Some((_, height)) => Err(Error::Data(format!(

@@ -22,7 +22,9 @@ pub(super) fn partings(reaches: &[Reach], nodes: usize, lines: &[StreamLine], or
             out_of.of(node).iter().map(|&r| below(reaches[r as usize].nodes[1], reaches, &out_of)).collect();
         let apart = |a: &HashSet<usize>, b: &HashSet<usize>| a.is_disjoint(b);
         let is_parting = branches.iter().enumerate().any(|(k, a)| branches[k + 1..].iter().any(|b| apart(a, b)));
-        let Some(first) = out_of.of(node).first().map(|&r| &reaches[r as usize]).filter(|_| is_parting) else { continue };
+        let Some(first) = out_of.of(node).first().map(|&r| &reaches[r as usize]).filter(|_| is_parting) else {
+            continue;
+        };
         let message = "the stream parts, and its branches do not meet again. One of them may be drawn wrong, or cross a \
                        watershed";
         let finding = Finding::at(FindingKind::StreamParts, first.points[0] + origin, message);

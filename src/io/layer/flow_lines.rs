@@ -34,6 +34,7 @@ pub fn of_flow_lines(lines: &[FlowLine]) -> Layer<'_> {
             Cell::Real(line.area),
         ]
     };
-    let rows = lines.iter().enumerate().map(|(k, line)| Row { shape: Shape::Line(&line.points), cells: row((k, line)) });
+    let rows =
+        lines.iter().enumerate().map(|(k, line)| Row { shape: Shape::Line(&line.points), cells: row((k, line)) });
     Layer { name: STREAM_LINES_LAYER, geometry: Geometry::Lines, columns: COLUMNS, rows: rows.collect() }
 }

@@ -6,9 +6,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::Severity;
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, contours};
-use tokosen::dem::derive::{
-    HeightsFrom, SteepParams, aspect, check as check_dem, shade, slope, steep, steep_note,
-};
+use tokosen::dem::derive::{HeightsFrom, SteepParams, aspect, check as check_dem, shade, slope, steep, steep_note};
 use tokosen::dem::shade::{Light, ShadeParams};
 use tokosen::features::Role;
 use tokosen::io::layer::{of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
@@ -206,6 +204,7 @@ pub enum Derived {
 /// those of steep places: angle, height. The second value is what to warn of.
 #[pyfunction]
 #[pyo3(signature = (dem, what, multidirectional, numbers, interval, water, progress))]
+#[allow(clippy::too_many_arguments, reason = "each is an argument of the package's function")]
 pub fn derive(
     py: Python<'_>,
     dem: &Raster,

@@ -151,9 +151,14 @@ mod tests {
         assert_eq!([area(1), area(2), area(3)], [outlets[0].area - outlets[1].area, outlets[1].area, 0.0]);
         // Both ends of each column, and all of the last one.
         let at_edge = cells_at_edge(&directions, &found);
-        assert_eq!(at_edge.iter().sum::<usize>(), numbers.iter().enumerate().filter(|(cell, v)| {
-            !v.is_nan() && (cell / 9 == 0 || cell / 9 == 4 || cell % 9 == 8)
-        }).count());
+        assert_eq!(
+            at_edge.iter().sum::<usize>(),
+            numbers
+                .iter()
+                .enumerate()
+                .filter(|(cell, v)| { !v.is_nan() && (cell / 9 == 0 || cell / 9 == 4 || cell % 9 == 8) })
+                .count()
+        );
     }
 
     proptest! {
