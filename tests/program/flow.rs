@@ -163,10 +163,10 @@ fn floods_come_from_the_edge_from_places_or_along_streams() {
     let text = folder.succeeds("derive dem.tif --flood edge.tif --flood-level 55");
     let wet = folder.raster("edge.tif");
     let expected = |col: usize, row: usize| f64::from(55.0 - dam.values[row * 41 + col]).max(0.0);
-    for cell in 0..wet.len() {
+    for (cell, &depth) in wet.iter().enumerate() {
         let (col, row) = (cell % 41, cell / 41);
-        let depth = if col < 20 { expected(col, row) } else { 0.0 };
-        assert!((f64::from(if wet[cell].is_nan() { 0.0 } else { wet[cell] }) - depth).abs() < 1e-4, "{col} {row}");
+        let wanted = if col < 20 { expected(col, row) } else { 0.0 };
+        assert!((f64::from(if depth.is_nan() { 0.0 } else { depth }) - wanted).abs() < 1e-4, "{col} {row}");
     }
     let hectares = wet.iter().filter(|v| !v.is_nan()).count() as f64 / 100.0;
     assert!(text.contains(&format!("{hectares:.2} hectares")) && text.contains("5.00 m at most"), "{text}");
