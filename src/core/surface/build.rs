@@ -34,7 +34,8 @@ use crate::validate::{Chosen, TrialParams, choose, error_field};
 ///
 /// # Errors
 /// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
-/// is out of range, or when the smooth surface needs more memory than it may take.
+/// is out of range, or when the smooth surface needs more memory than it may take. [`Error::StreamsElsewhere`] if most streams
+/// contradict the contours.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     params.check()?;
     let tuning = &params.tuning;

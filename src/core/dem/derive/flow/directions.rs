@@ -69,14 +69,15 @@ impl FlowDirections {
 /// Finds the neighbour among eight that each cell drains to (D8), so that every cell drains to an outlet.
 ///
 /// Water can leave at the border of the height map and beside cells without data. From there a flood rises over the map
-/// (priority-flood: Barnes, Lehman and Mulla 2014, Computers & Geosciences 62). A cell there is an outlet if its ground falls
-/// outwards, by the plane through the cells around it, or if no neighbour is lower. Otherwise it drains as any other. The flood
-/// takes the cell with the lowest flooded
+/// (priority-flood: Barnes, Lehman and Mulla 2014, Computers & Geosciences 62). It takes the cell with the lowest flooded
 /// height next, and in a pit the lowest ground first, as in GRASS (Metz, Mitasova and Harmon 2011). A cell drains along the
 /// steepest descent (O'Callaghan and Mark 1984) to a neighbour that the flood took before it. Without a lower one, it
 /// drains to the neighbour from which the flood reached it. So pits drain along their lowest ground to the lowest point
 /// of their rim, level ground drains the shortest way, and no height is changed. `scale` gives the distances, as cells
 /// need not be square.
+///
+/// A cell where water can leave is an outlet if its ground falls outwards, by the plane through the cells around it, or if no
+/// neighbour is lower. Otherwise it drains as any other.
 ///
 /// The time is in proportion to n log n for n cells. The memory is two bytes per cell, and sixteen per cell of the
 /// flood's edge. `memory` is what the directions, and the accumulation or the catchments that are computed from them, may take,
