@@ -46,7 +46,7 @@ impl FloodLevel {
     /// Reads a level, or a height after a plus sign.
     fn parse(text: &str) -> Result<Self, String> {
         let number = |text: &str| match text.trim().parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(number),
+            Ok(number) if number.is_finite() && !text.starts_with('+') => Ok(number),
             _ => Err("it must be a level such as 12.5, or a height above the streams such as +3".to_owned()),
         };
         match text.strip_prefix('+') {
