@@ -42,6 +42,7 @@
 //! | [`dem::contour::contours`] | a height map, intervals | its contours, smooth and with few vertices |
 //! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | a raster each; [`Steeps`](dem::derive::Steeps): steep places as areas |
 //! | [`dem::derive::flow_directions`], [`flow_accumulation`](dem::derive::flow_accumulation), [`catchments`](dem::derive::catchments) | a height map | where water flows, how many cells drain through each, [`Catchments`](dem::derive::Catchments) |
+//! | [`dem::derive::catchments_above`], [`flow_lines`](dem::derive::flow_lines), [`flood_to_level`](dem::derive::flood_to_level) | where water flows | the ground above an outlet, streams as lines, ground under water |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |
 //! | [`dem::compare::compare`] | two height maps on one grid | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |

@@ -80,6 +80,11 @@ COMMANDS = {
     "derive light": f"derive {TRUTH} --hillshade a.tif --multidirectional --cog && "
                     f"derive {TRUTH} --hillshade b.png --azimuth 30 --altitude 60 --z-factor 2",
     "derive gsi": f"derive {DEM5A} --slope a.tif --aspect b.png --steep a.shp --steep-angle 3 --steep-height 1",
+    "derive flow": f"derive {TRUTH} --flow-direction a.tif --flow-accumulation b.tif --catchments a.gpkg && "
+                   f"derive {TRUTH} --outlet 752685,4024000 --catchments c.gpkg --stream-lines d.shp --threshold 500000 && "
+                   f"derive {TRUTH} --flow-accumulation e.tif --accumulation-unit m2",
+    "derive flood": f"derive {TRUTH} --flood a.tif --flood-level 320 && "
+                    f"derive {TRUTH} --flood b.geojson --flood-level +3 --threshold 500000",
     "mesh glb preview": f"mesh {REAL} -o a.glb --preview a.png",
     "mesh surfaces and base": f"mesh {REAL} --surface skeleton --base 0 -o a.ply && mesh {HILL} --surface linear -o a.obj",
     "mesh water and spots": f"mesh {HILL} {FEATURES} -o a.ply",

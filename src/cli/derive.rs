@@ -1,4 +1,4 @@
-//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade, steep places and the flow of water out.
+//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade, steep places, the flow of water and floods out.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{Derivative, Derived, HeightsFrom, SteepParams, Steeps, check, steep, steep_note};
-use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
+use tokosen::io::layer::{STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, open_dem};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, write_layers};
 use tokosen::raster::{GroundScale, RasterRows, WithCrs, in_plane_unit, metres_per_unit};
@@ -30,7 +30,7 @@ use super::surface::{ABOUT_SURFACE, SurfaceArgs};
 use super::unit::UnitArg;
 use super::{memory, summary};
 
-/// Slope, aspect, hillshade, steep places, flow of water and catchments
+/// Slope, aspect, hillshade, steep places, flow of water, catchments, streams and floods
 ///
 /// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
 /// and aspect are computed over 3 x 3 cells (Horn's method); at the border and beside cells without data, heights are
@@ -43,8 +43,10 @@ use super::{memory, summary};
 /// that touch at a corner have the same area_id. The result is no survey: 10 m contours cannot show slopes 5 m high.
 ///
 /// Water flows from each cell to one of the eight cells around it, along the steepest descent. Pits are flooded, so that
-/// all water reaches an outlet at the border of the height map or beside cells without data. Attributes of layer
-/// catchments: catchment, area_m2 (on the map), outlet_x, outlet_y.
+/// all water reaches an outlet at the border of the height map or beside cells without data, where the ground falls outwards.
+/// Attributes of layer catchments: catchment, area_m2 (on the map), outlet_x, outlet_y; with --outlet also above_m2 (all ground
+/// above the outlet), moved_m. Of layer stream_lines: line, into (the line that it runs into), strahler, length_m, fall_m,
+/// above_m2. Of layer flood: area_m2, volume_m3, depth_max.
 #[derive(Debug, Args)]
 #[command(
     after_help = EXAMPLES,
@@ -120,6 +122,8 @@ Examples:
   tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
   tokosen derive contours.gpkg --base published_dem.tif --cell 5 --flow-accumulation flow.tif
   tokosen derive dem.tif --flow-accumulation streams.tif --catchments catchments.gpkg
+  tokosen derive dem.tif --outlet 1234,5678 --catchments above.gpkg --stream-lines streams.gpkg --threshold 100000
+  tokosen derive dem.tif --flood depth.tif --flood-level 12.5
   tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
 
 /// Greatest height of a steep place that may be asked for, metres; no slope on Earth is higher.
@@ -177,7 +181,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         }
         None => None,
     };
-    let catchments = outputs.flow.write(&*heights, &scale, tiff, console)?;
+    let found = args.flow.write(&outputs.flow, (&*heights, &scale), tiff, (&mut findings, console))?;
     findings.extend(heights.findings());
     // For contours, `--strict` was checked when they were read.
     if args.input.map.strict {
@@ -186,8 +190,10 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&findings, console);
-    let rasters = [outputs.slope, outputs.aspect, outputs.shade, outputs.flow.directions, outputs.flow.accumulation];
-    for staged in rasters.into_iter().flatten() {
+    let mut flow = outputs.flow;
+    let of_flow = [flow.directions.take(), flow.accumulation.take()];
+    let rasters = [outputs.slope, outputs.aspect, outputs.shade].into_iter().chain(of_flow);
+    for staged in rasters.flatten() {
         let path = staged.commit()?;
         console.say(&format!("written    {} ({} x {} cells)", path.display(), grid.cols, grid.rows));
     }
@@ -195,9 +201,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         describe(&staged.commit()?, steeps, args, console);
         console.say(&format!("note       {note}"));
     }
-    if let (Some(staged), Some(catchments)) = (outputs.flow.catchments, &catchments) {
-        catchments.describe(&staged.commit()?, console);
-    }
+    flow.commit(&args.flow, &found, heights.crs(), console)?;
     summary::close_part(findings.len(), outside, console);
     Ok(())
 }
@@ -206,8 +210,8 @@ impl DeriveArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, is_raster: bool, console: &Console) -> Result<(), Failure> {
         if self.outputs().next().is_none() {
-            let flags =
-                "--slope, --aspect, --hillshade, --steep, --flow-direction, --flow-accumulation or --catchments";
+            let flags = "--slope, --aspect, --hillshade, --steep, --flow-direction, --flow-accumulation, --catchments, \
+                         --stream-lines or --flood";
             return Err(Failure::Usage(format!("choose an output: {flags} FILE")));
         }
         let crs = self.to_crs.to_crs.as_ref();
@@ -238,16 +242,15 @@ impl DeriveArgs {
         self.cog.check(self.rasters())?;
         let files = self.input.map.files()?;
         let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
-        let inputs = inputs.chain(self.part.file()).chain(self.base.file());
+        let inputs = inputs.chain(self.part.file()).chain(self.base.file()).chain(self.flow.inputs());
         let inputs: Vec<&Path> = inputs.collect();
-        let of_catchments = self.flow.catchments.as_deref();
-        let layers = |path| if Some(path) == of_catchments { &[CATCHMENTS_LAYER] } else { &[STEEP_LAYER] };
-        let planned = |path| PlannedOutput { path, layers: layers(path) };
-        Ok(console.check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>())?)
+        Ok(console.check_paths(&inputs, &self.outputs().collect::<Vec<_>>())?)
     }
 
-    fn outputs(&self) -> impl Iterator<Item = &Path> {
-        self.rasters().chain(self.steep.as_deref()).chain(self.flow.areas())
+    fn outputs(&self) -> impl Iterator<Item = PlannedOutput<'_>> {
+        let rasters = self.rasters().map(PlannedOutput::from);
+        let steep = self.steep.as_deref().map(|path| PlannedOutput { path, layers: &[STEEP_LAYER] });
+        rasters.chain(steep).chain(self.flow.vectors())
     }
 
     fn rasters(&self) -> impl Iterator<Item = &Path> {

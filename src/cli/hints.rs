@@ -29,6 +29,7 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::PlaneUnit { .. } => {
             ": --plane-unit m, --plane-unit ft or --plane-unit us-ft; or name the coordinate reference system with --crs".to_owned()
         }
+        Error::StreamsElsewhere(_) => "; --stream-tolerance 0 takes them all the same".to_owned(),
         Error::PlaneUnitUnknown => ": --plane-unit m, --plane-unit ft or --plane-unit us-ft; or --crs CRS".to_owned(),
         Error::Exists { .. } => "; use --overwrite to replace it, or choose another name".to_owned(),
         Error::LayerExists { is_input: false, .. } => {

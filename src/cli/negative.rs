@@ -106,6 +106,11 @@ mod tests {
         ("--tension", "-1", Taken),
         ("--noise", "-1", Taken),
         ("--stream-tolerance", "-1", Taken),
+        ("--outlet", "-83.5,-36", Taken),
+        ("--outlet-snap", "-1", Taken),
+        ("--threshold", "-100", Taken),
+        ("--flood-level", "-1.5", Taken),
+        ("--flood-from", "-83.5,-36", Taken),
         ("--steep-angle", "-30", Taken),
         ("--steep-height", "-5", Taken),
         ("--azimuth", "-45", Taken),
@@ -172,7 +177,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 131;
+    const CASES: usize = 136;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

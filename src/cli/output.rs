@@ -199,6 +199,11 @@ pub fn open_raster(path: &Path) -> Result<StagedOutput, Failure> {
     Ok(StagedOutput::create(path)?)
 }
 
+/// Whether a file is a raster, by its extension.
+pub fn is_raster(path: &Path) -> bool {
+    DEM_EXTENSIONS.contains(&extension(path).as_str())
+}
+
 /// The extension of a file in small letters.
 pub fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()

@@ -26,6 +26,7 @@ pages! {
     uncertainty = "uncertainty.md",
     comparing = "comparing.md",
     slope = "slope.md",
+    flow = "flow.md",
     models = "models.md",
     subdomains = "subdomains.md",
     water = "water.md",

@@ -34,6 +34,7 @@ pub mod mesh;
 mod meter;
 mod ordinary;
 mod paths;
+mod places;
 pub mod raster;
 mod shapefile;
 mod sinks;
@@ -69,6 +70,7 @@ pub use in_memory::{Attribute, InMemory, MemoryLayer};
 pub use maker::SAVED_RUN;
 pub use ordinary::{open_to_read, read_small};
 pub use paths::{PlannedOutput, check_paths, files_of_input};
+pub use places::{Places, read_places};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
 

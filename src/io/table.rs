@@ -38,6 +38,8 @@ pub(super) enum Purpose {
     Spots,
     /// Polygons that bound an area. For lines and points, polygons are left out.
     Area,
+    /// Places alone: points, whose heights do not count.
+    Places,
     /// Features in a role beside the contours.
     Features(Role),
 }
@@ -207,7 +209,7 @@ impl Table {
             wants_polygons: match request.purpose {
                 Purpose::Area => true,
                 Purpose::Features(role) => !matches!(role, Role::Cliffs | Role::BreakLines),
-                Purpose::Contours | Purpose::Spots => false,
+                Purpose::Contours | Purpose::Spots | Purpose::Places => false,
             },
             wants_rings: request.purpose == Purpose::Contours,
             wants_units: matches!(

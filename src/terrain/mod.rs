@@ -21,6 +21,7 @@ mod measure;
 mod options;
 mod outline;
 mod part;
+mod places;
 mod plane;
 mod plausible;
 mod preparation;
@@ -53,6 +54,9 @@ pub use input::{Input, InputOptions};
 pub use json::{check_json, comparison_json};
 pub use measure::{MeasureOptions, add_check_points, measure};
 pub use options::Options;
+#[cfg(feature = "io")]
+pub use places::read_places_in;
+pub use places::{Outlets, Place, flood_source};
 pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
 #[cfg(feature = "draw")]

@@ -230,7 +230,7 @@ impl Input {
     /// was done to them is added to the findings. `tolerance` is how far a stream is moved at most, map units.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a tolerance below 0.
+    /// [`Error::OutOfRange`] for a tolerance below 0. [`Error::StreamsElsewhere`] if most streams contradict the contours.
     pub fn settle_streams(
         &mut self,
         subdivision: &Subdivision,
@@ -241,6 +241,9 @@ impl Input {
         let params = SurfaceParams { streams, ..SurfaceParams::default() };
         params.check()?;
         let settled = settle_lines(subdivision, &params, progress);
+        if let Some(elsewhere) = settled.findings.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
+            return Err(Error::StreamsElsewhere(elsewhere.message.clone()));
+        }
         self.findings.extend(settled.findings);
         self.state_unit();
         Ok(settled.streams)

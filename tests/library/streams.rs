@@ -7,7 +7,7 @@ use crate::guarantees::{Refusal, Tally, check, check_dem, clean_map, map_of};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
-use tokosen::base::error::{Finding, FindingKind};
+use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::Target;
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
@@ -33,6 +33,13 @@ fn built(map: ContourMap, lines: &[&[(f64, f64)]], tolerance: Option<f64>) -> (S
     let report =
         build(map, &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface");
     (report.value, report.findings)
+}
+
+/// Parameters that take random lines as streams, although the contours contradict most of them.
+fn of_any_place() -> SurfaceParams {
+    let mut params = SurfaceParams::default();
+    params.tuning.streams.elsewhere = 1.0;
+    params
 }
 
 fn count(findings: &[Finding], kind: FindingKind) -> usize {
@@ -156,6 +163,61 @@ fn a_start_below_a_ridge_is_cut_and_told_like_an_end_above_one() {
     // Drawn the other way round, the same is left out.
     let back: Vec<(f64, f64)> = over.iter().rev().copied().collect();
     cuts(&back);
+}
+
+/// A slope that falls to the south, with a valley in each of the columns `x = 200 k`, by its contours every 10 m.
+fn valleys() -> ContourMap {
+    let contour = |k: i32| {
+        let point = |i: i32| {
+            let off = f64::from((i + 5).rem_euclid(10) - 5).abs();
+            DVec2::new(20.0 * f64::from(i), 100.0 * f64::from(k) - 12.0 * off)
+        };
+        Contour { elevation: 10.0 * f64::from(k), points: (-5..=125).map(point).collect(), feature: 0.into() }
+    };
+    ContourMap { contours: (0..=8).map(contour).collect(), ..ContourMap::default() }
+}
+
+#[test]
+fn streams_of_another_place_are_one_error() {
+    // In each valley a stream; `off` is how far to the east they are.
+    let streams = |off: f64, tolerance: Option<f64>| {
+        let line = |k: u64| StreamLine {
+            points: (0..=66).map(|i| DVec2::new(200.0 * k as f64 + off, 720.0 - 10.0 * f64::from(i))).collect(),
+            feature: k.into(),
+        };
+        let streams = Streams { lines: (0..12).map(line).collect(), tolerance, ..Streams::default() };
+        build(valleys(), &SurfaceParams { streams, ..SurfaceParams::default() }, &())
+    };
+    let beside = streams(3.0, None).unwrap();
+    assert_eq!((beside.value.streams.len(), count(&beside.findings, FindingKind::StreamBeside)), (12, 0));
+    let error = streams(60.0, None).unwrap_err();
+    assert!(matches!(error, Error::StreamsElsewhere(_)), "{error}");
+    assert!(error.to_string().contains("100 % of the"), "{error}");
+    // Who wants them all the same gets them.
+    assert_eq!(streams(60.0, Some(0.0)).unwrap().value.streams.len(), 12);
+}
+
+#[test]
+fn a_stream_that_parts_is_told_of_unless_its_branches_meet_again() {
+    let stem = [(0.0, 570.0), (0.0, 330.0)];
+    let [west, east] = [-3.0, 3.0].map(|x| [(0.0, 330.0), (x, 280.0), (0.0, 230.0)]);
+    let below = [(0.0, 230.0), (0.0, 60.0)];
+    let parting = |lines: &[&[(f64, f64)]]| count(&built(valley(), lines, Some(8.0)).1, FindingKind::StreamParts);
+    assert_eq!(parting(&[&stem, &west, &east, &below]), 0, "an island");
+    let away = [(0.0, 330.0), (60.0, 200.0), (90.0, 40.0)];
+    assert_eq!(parting(&[&stem, &west, &below, &away]), 1);
+    assert_eq!(parting(&[&stem, &west, &below]), 0);
+}
+
+#[test]
+fn a_stream_over_a_ridge_between_contours_is_told_of() {
+    // Between the contours of 40 and 30 m, spot heights show a hollow and a rise behind it.
+    let climbs = |drawn: &[(f64, f64)]| {
+        let spots = vec![DVec3::new(0.0, 370.0, 31.5), DVec3::new(0.0, 330.0, 39.0)];
+        count(&built(ContourMap { spots, ..valley() }, &[drawn], Some(0.5)).1, FindingKind::StreamClimbs)
+    };
+    assert_eq!(climbs(&[(0.0, 395.0), (0.0, 60.0)]), 1);
+    assert_eq!(climbs(&[(0.0, 290.0), (0.0, 60.0)]), 0);
 }
 
 #[test]
@@ -383,7 +445,7 @@ fn beyond_the_cells_of_streams_heights_stay() {
     for seed in 0..12 {
         let map = clean_map(map_of(&common::hills(seed, 60, 50).contours()));
         let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
-        let params = SurfaceParams { streams, ..SurfaceParams::default() };
+        let params = SurfaceParams { streams, ..of_any_place() };
         let surface = build(map, &params, &()).unwrap().value;
         let working = &surface.working.as_ref().unwrap().0[0];
         let dem = heights(&surface, &working.grid, &());
@@ -482,7 +544,7 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
                 let what = format!("{} {kind:?} {seed}", terrain.kind);
                 let streams = Streams { lines: random_streams(&map, seed), tolerance: None, ..Streams::default() };
                 let creases = random_break_lines(&map, seed);
-                let params = SurfaceParams { kind, streams, creases, ..SurfaceParams::default() };
+                let params = SurfaceParams { kind, streams, creases, ..of_any_place() };
                 let spots = map.contours.iter().filter_map(|c| Some((c.points.first()?, c.elevation)));
                 let soft = |(p, z): (&DVec2, f64)| SoftSpot { place: p.extend(z + 3.0), sigma: 2.0 };
                 let map = ContourMap { soft_spots: spots.map(soft).collect(), ..map.clone() };
@@ -512,7 +574,7 @@ fn threads_do_not_change_streams() {
     let map = clean_map(map_of(&terrain.contours()));
     let streams = Streams { lines: random_streams(&map, 5), tolerance: None, ..Streams::default() };
     let creases = random_break_lines(&map, 5);
-    let params = SurfaceParams { streams, creases, ..SurfaceParams::default() };
+    let params = SurfaceParams { streams, creases, ..of_any_place() };
     let in_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| build(map.clone(), &params, &()).unwrap().value)

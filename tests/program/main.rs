@@ -18,6 +18,7 @@ mod everyday;
 mod exclude;
 mod existing_outputs;
 mod file_troubles;
+mod flow;
 mod geopackage_locks;
 mod guide_pages;
 mod hulls;

@@ -34,6 +34,11 @@ pub(crate) fn gradients(lines: [Option<&[f32]>; 3], cell: DVec2, mut each: impl 
     }
 }
 
+/// The gradient of one cell, as by [`gradients`]. `None` if it has no height.
+pub(crate) fn gradient_at(lines: [Option<&[f32]>; 3], cell: DVec2, col: usize) -> Option<DVec2> {
+    Some(rise_by_some(lines, col)? / (cell * 8.0))
+}
+
 /// Eight times the rise per cell, if all nine cells have heights.
 fn rise_by_all(near: [&[f32]; 3]) -> Option<DVec2> {
     let at = |row: usize, col: usize| f64::from(near[row][col]);

@@ -15,6 +15,7 @@ pub use blocks::Block;
 pub use blocks::Blocks;
 #[doc(hidden)]
 pub use blocks::each_pair;
+pub(crate) use gradient::gradient_at;
 #[doc(hidden)]
 pub use ground::other_unit;
 pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};

@@ -5,10 +5,12 @@ use glam::DVec2;
 use super::beside::{Beside, beside};
 use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
+use super::elsewhere::{Compared, elsewhere};
 use super::follow::follow;
 use super::line::{Stream, StreamLine, Streams};
 use super::middle::with_middle_lines;
 use super::network::{Network, Reach};
+use super::parting::partings;
 use super::profile::{Edge, Profiles, profiles};
 use super::shift::{moved, shifts};
 use crate::base::error::{Finding, FindingKind};
@@ -75,6 +77,10 @@ pub(crate) fn settle(
 
     let found: Vec<(Vec<Piece>, Vec<Detour>)> =
         parallel::map(reaches.len(), |r| descending(&ground, &reaches[r].points, &courses[r], tolerance));
+    let compared = (0..reaches.len()).map(|r| Compared { course: &before[r], beside: beside[r], detours: &found[r].1 });
+    // Without a tolerance, streams are taken where they are.
+    let elsewhere = (tolerance > 0.0).then(|| elsewhere(compared, tuning)).flatten();
+    findings.extend(partings(&reaches, nodes, &lines, tin.origin));
     let mut edges = Vec::new();
     let mut reach_of = Vec::new();
     let mut shift_of: Vec<f64> = shifts.iter().map(|s| s.iter().map(|s| s.by.length()).fold(0.0, f64::max)).collect();
@@ -122,7 +128,8 @@ pub(crate) fn settle(
     };
     let mut used: Vec<Stream> = downstream.iter().map(|&e| stream(e)).collect();
     guess_between(by_distance, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used, known_from);
-    Settled { streams: used, findings }
+    // What is said about each of them is no help then.
+    Settled { streams: used, findings: elsewhere.map_or(findings, |one| vec![one]) }
 }
 
 /// The courses of reaches, in their order. `known` gives those that are known, by the number of the reach.

@@ -16,7 +16,7 @@ use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use super::skeleton_lines::{Finer, finer, with_skeleton};
 use super::trial_builder::TrialBuilder;
-use crate::base::error::{Finding, FindingKind, Report, Result};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::progress::Progress;
 use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
@@ -24,7 +24,7 @@ use crate::creases::{Bend, Crease};
 use crate::drain::Sink;
 use crate::skeleton::{Axis, skeleton, skeleton_with};
 use crate::spline::{self, Conditions, Drainage, Fold, WorkingGrids, bytes_on, spline, working_grid};
-use crate::streams::Stream;
+use crate::streams::{Stream, climbs};
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
 use crate::tin::Tin;
@@ -34,7 +34,8 @@ use crate::validate::{Chosen, TrialParams, choose, error_field};
 ///
 /// # Errors
 /// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
-/// is out of range, or when the smooth surface needs more memory than it may take.
+/// is out of range, or when the smooth surface needs more memory than it may take. [`Error::StreamsElsewhere`] if most streams
+/// contradict the contours.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     params.check()?;
     let tuning = &params.tuning;
@@ -104,6 +105,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
             progress.finish();
             let (mut solved, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+            let height = |p: DVec2| f64::from(solved.at(p));
+            findings.extend(climbs(&followed, height, tuning.streams.climb * interval.step));
             let wanted = Wanted {
                 drain: params.drain,
                 sinks: own_sinks.clone(),
@@ -225,6 +228,9 @@ fn triangulated(
     let triangulation = std::mem::take(&mut subdivision.triangulation);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
+    if let Some(elsewhere) = of_lines.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
+        return Err(Error::StreamsElsewhere(elsewhere.message.clone()));
+    }
     findings.extend(of_lines);
     let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
     let tuning = &params.tuning.skeleton;

@@ -172,7 +172,7 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
         // Contours may be stored as polygons.
         Purpose::Contours if lines.is_empty() && !contours.is_empty() => (&contours, "polygons"),
         Purpose::Contours | Purpose::Features(Role::Streams | Role::Cliffs | Role::BreakLines) => (&lines, "lines"),
-        Purpose::Spots => (&points, "points"),
+        Purpose::Spots | Purpose::Places => (&points, "points"),
         Purpose::Area | Purpose::Features(Role::Exclude | Role::Water) => (&polygons, "polygons"),
         Purpose::Features(Role::Coast) => (&outlines, "lines or polygons"),
         Purpose::Features(Role::Sinks) => (&either, "points or polygons"),

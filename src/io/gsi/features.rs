@@ -72,6 +72,9 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             let message = "the coast of 基盤地図情報 is not read; name a file with lines or polygons";
             return Err(Error::file(path, message));
         }
+        Purpose::Places => {
+            return Err(Error::file(path, "files of 基盤地図情報 hold no such points; name a file with points"));
+        }
         Purpose::Features(Role::Sinks) => {
             let message = "files of 基盤地図情報 hold no sinks; name a file with points or polygons";
             return Err(Error::file(path, message));

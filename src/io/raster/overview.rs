@@ -40,7 +40,7 @@ fn halved(values: &[f32], cols: usize, rows: usize, quantity: Quantity) -> Vec<f
     let summary = match quantity {
         Quantity::Aspect => mean_direction,
         Quantity::FlowDirection | Quantity::Catchment => first,
-        Quantity::FlowAccumulation => largest,
+        Quantity::FlowAccumulation | Quantity::UpstreamArea => largest,
         _ => mean,
     };
     let mut coarse = vec![f32::NAN; across * rows.div_ceil(2)];

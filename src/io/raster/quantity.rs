@@ -20,8 +20,12 @@ pub enum Quantity {
     FlowDirection,
     /// The number of cells that drain through a cell.
     FlowAccumulation,
+    /// The area that drains through a cell, square metres.
+    UpstreamArea,
     /// The number of a catchment.
     Catchment,
+    /// The depth of water, metres.
+    Depth,
 }
 
 impl Quantity {
@@ -35,13 +39,15 @@ impl Quantity {
             Self::Shade => "brightness",
             Self::FlowDirection => "flow direction",
             Self::FlowAccumulation => "flow accumulation",
+            Self::UpstreamArea => "upstream area",
             Self::Catchment => "catchment",
+            Self::Depth => "depth",
         }
     }
 
     /// Whether it is measured in a unit of height.
     fn is_vertical(self) -> bool {
-        matches!(self, Self::Height | Self::Difference)
+        matches!(self, Self::Height | Self::Difference | Self::Depth)
     }
 }
 
@@ -72,6 +78,7 @@ impl Values {
             quantity if quantity.is_vertical() => Some((programs_name(self.heights), self.heights.name())),
             Quantity::Slope | Quantity::Aspect => Some(("degree", "degrees")),
             Quantity::FlowAccumulation => Some(("cells", "cells")),
+            Quantity::UpstreamArea => Some(("m2", "square metres")),
             _ => None,
         }
     }

@@ -8,13 +8,14 @@
 //! | `source.rs`, `arrow_input.rs` | what is read: files, features and arrays in memory |
 //! | `options.rs`, `unit.rs` | the keyword arguments |
 //! | `input.rs` | the input of a terrain, from sources and options |
-//! | `terrain.rs`, `verbs.rs`, `comparison.rs` | the work |
+//! | `terrain.rs`, `verbs.rs`, `flow.rs`, `comparison.rs` | the work |
 //! | `layer.rs`, `raster.rs`, `model.rs` | results |
 //! | `work.rs`, `error.rs` | threads, progress, Ctrl-C; exceptions |
 
 mod arrow_input;
 mod comparison;
 mod error;
+mod flow;
 mod input;
 mod layer;
 mod model;

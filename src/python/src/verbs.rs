@@ -6,13 +6,10 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::Severity;
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, contours};
-use tokosen::dem::derive::{
-    HeightsFrom, SteepParams, aspect, catchment_parts, catchments, check as check_dem, flow_accumulation,
-    flow_directions, shade, slope, steep, steep_note,
-};
+use tokosen::dem::derive::{HeightsFrom, SteepParams, aspect, check as check_dem, shade, slope, steep, steep_note};
 use tokosen::dem::shade::{Light, ShadeParams};
 use tokosen::features::Role;
-use tokosen::io::layer::{of_catchments, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
+use tokosen::io::layer::{of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
 use tokosen::io::raster::Quantity;
 use tokosen::raster::GroundScale;
 use tokosen::skeleton::skeleton as skeleton_of;
@@ -22,6 +19,7 @@ use tokosen::terrain::{all_right, check_json, clip_areas, clip_skeleton, clip_st
 use tokosen::tuning::SkeletonTuning;
 
 use crate::error::parameter;
+use crate::flow::{self, Water};
 use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
 use crate::options::{Given, targets};
@@ -203,9 +201,10 @@ pub enum Derived {
 }
 
 /// Derives a raster or areas from a height map. `numbers` are those of the light: azimuth, altitude, factor on heights; and
-/// those of steep places: angle, height.
+/// those of steep places: angle, height. The second value is what to warn of.
 #[pyfunction]
-#[pyo3(signature = (dem, what, multidirectional, numbers, interval, progress))]
+#[pyo3(signature = (dem, what, multidirectional, numbers, interval, water, progress))]
+#[allow(clippy::too_many_arguments, reason = "each is an argument of the package's function")]
 pub fn derive(
     py: Python<'_>,
     dem: &Raster,
@@ -213,8 +212,9 @@ pub fn derive(
     multidirectional: bool,
     numbers: [f64; 5],
     interval: Option<f64>,
+    water: Water,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Derived> {
+) -> PyResult<(Derived, Vec<Warned>)> {
     let [azimuth, altitude, z_factor, angle, height] = numbers;
     let ranges = [
         ("azimuth", azimuth, 0.0..=360.0),
@@ -239,16 +239,13 @@ pub fn derive(
             progress.start("deriving", 0);
             make()
         })?;
-        Raster::new(py, made, None, quantity, &[]).map(Derived::Raster)
+        Ok((Derived::Raster(Raster::new(py, made, None, quantity, &[])?), Vec::new()))
     };
     let memory = tokosen::cli::available_memory();
-    let directions = || flow_directions(&dem, &scale, memory);
     match what {
         "slope" => raster(Quantity::Slope, &|| Ok(slope(&dem, &scale))),
         "aspect" => raster(Quantity::Aspect, &|| Ok(aspect(&dem, &scale))),
         "hillshade" => raster(Quantity::Shade, &|| Ok(shade(&dem, &light, &scale))),
-        "flow_direction" => raster(Quantity::FlowDirection, &|| Ok(directions()?.raster())),
-        "flow_accumulation" => raster(Quantity::FlowAccumulation, &|| Ok(flow_accumulation(&directions()?))),
         "steep" => {
             let source = interval.map_or(HeightsFrom::HeightMap, |step| HeightsFrom::Contours(Some(step)));
             let note = steep_note(source, height);
@@ -256,18 +253,8 @@ pub fn derive(
             let layer = work(py, progress, |_| {
                 Layer::new(&steep_areas(&steep(&dem, &scale, &params)?, &note), dem.crs.as_ref())
             })?;
-            Ok(Derived::Layer(layer))
+            Ok((Derived::Layer(layer), Vec::new()))
         }
-        "catchments" => {
-            let layer = work(py, progress, |_| {
-                let found = catchments(&directions()?);
-                Layer::new(&of_catchments(&catchment_parts(&found, &scale)), dem.crs.as_ref())
-            })?;
-            Ok(Derived::Layer(layer))
-        }
-        other => {
-            let known = "slope, aspect, hillshade, flow_direction, flow_accumulation, steep or catchments";
-            Err(crate::options::one_of(py, "what", other, known))
-        }
+        of_water => flow::derive(py, &dem, of_water, &water, progress),
     }
 }

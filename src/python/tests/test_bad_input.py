@@ -168,6 +168,22 @@ def test_height_maps_that_cannot_be_are_told():
         tokosen.derive(values, "slope")
     with pytest.raises(tokosen.ParameterError, match="what"):
         tokosen.derive((values, (10, 0, 0, 0, -10, 40)), "beauty")
+    cells = (values, (10, 0, 0, 0, -10, 40))
+    for what, given in [
+        ("stream_lines", {}),
+        ("stream_lines", {"threshold": -1}),
+        ("flood", {}),
+        ("flood", {"flood_level": "+3"}),
+        ("flood", {"flood_level": "+0", "threshold": 5}),
+        ("flood", {"flood_level": float("nan")}),
+        ("flow_accumulation", {"accumulation_unit": "acres"}),
+        ("catchments", {"outlet": (1e9, 1e9)}),
+        ("catchments", {"outlet": (5, 5), "outlet_snap": -1}),
+    ]:
+        with pytest.raises(tokosen.Error):
+            tokosen.derive(cells, what, **given)
+    with pytest.raises(TypeError, match="outlet takes"):
+        tokosen.derive(cells, "catchments", outlet=(1, 2, 3))
 
 
 def test_files_that_cannot_be_written_are_told(tmp_path):

@@ -127,6 +127,34 @@ def test_contours_of_a_height_map_and_what_is_derived_are_those_of_the_program(p
     assert steep.geometry.to_wkb().equals(geopandas.read_file(tmp_path / "steep.gpkg").geometry.to_wkb())
 
 
+def test_catchments_streams_and_floods_are_those_of_the_program(program, tmp_path):
+    truth = SAMPLES / "caryville_20m_truth.tif"
+    places = [(752685.0, 4024000.0), (745000.0, 4019000.0)]
+    flags = [part for x, y in places for part in ("--outlet", f"{x},{y}")]
+    streams = ["--threshold", "500000"]
+    program("derive", truth, *flags, "--catchments", "c.gpkg", "--stream-lines", "s.gpkg", *streams, "-q")
+    program("derive", truth, "--flood", "f.tif", "--flood-level", "+3", *streams, "-q")
+    program("derive", truth, "--flood", "f.gpkg", "--flood-level", "320", "-q")
+    program("derive", truth, "--flow-accumulation", "a.tif", "--accumulation-unit", "m2", "-q")
+    dem = tokosen.Dem.read(truth)
+    points = geopandas.GeoSeries.from_xy(*zip(*places), crs=dem.crs).to_crs(4326)
+    for outlet in (places, points):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", tokosen.FindingWarning)
+            found = tokosen.derive(dem, "catchments", outlet=outlet, output="geopandas")
+        wanted = pyogrio.read_dataframe(tmp_path / "c.gpkg")
+        assert found.geometry.to_wkb().equals(wanted.geometry.to_wkb())
+        assert found["above_m2"].tolist() == wanted["above_m2"].tolist()
+    lines = tokosen.derive(dem, "stream_lines", threshold=500_000, output="geopandas")
+    assert lines.geometry.to_wkb().equals(pyogrio.read_dataframe(tmp_path / "s.gpkg").geometry.to_wkb())
+    tokosen.derive(dem, "flood", flood_level="+3", threshold=500_000).to_file(tmp_path / "own.tif")
+    assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "f.tif").read_bytes()
+    areas = tokosen.derive(dem, "flood_areas", flood_level=320, output="geopandas")
+    assert areas.geometry.to_wkb().equals(pyogrio.read_dataframe(tmp_path / "f.gpkg").geometry.to_wkb())
+    tokosen.derive(dem, "flow_accumulation", accumulation_unit="m2").to_file(tmp_path / "own.tif")
+    assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "a.tif").read_bytes()
+
+
 def test_contours_of_a_part_of_a_height_map_are_those_of_the_program(program, tmp_path):
     truth = SAMPLES / "caryville_20m_truth.tif"
     west, south, east, north = pyogrio.read_info(SAMPLES / REAL[0])["total_bounds"]

@@ -46,6 +46,21 @@ def sources(what: str, given: Any) -> list[_tokosen.Source]:
     return [source(what, part) for part in given] if is_several else [source(what, given)]
 
 
+def places(what: str, given: Any, crs: str | None) -> list[list[float]]:
+    """Places in a system: (x, y), several of them, or the points of a GeoDataFrame or GeoSeries."""
+    if given is None:
+        return []
+    if is_frame(given):
+        points = given.geometry if crs is None or given.crs is None else given.geometry.to_crs(crs)
+        if not (points.geom_type == "Point").all():
+            raise TypeError(f"{what} takes points")
+        return [[float(x), float(y)] for x, y in zip(points.x, points.y, strict=True)]
+    pairs = np.atleast_2d(np.asarray(given, dtype=float))
+    if pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise TypeError(f"{what} takes (x, y), a list of such pairs, or a GeoDataFrame of points")
+    return [[float(x), float(y)] for x, y in pairs]
+
+
 def is_frame(given: Any) -> bool:
     """Whether it is a GeoDataFrame or a GeoSeries. geopandas is not imported for that."""
     return any(base.__name__ in ("GeoDataFrame", "GeoSeries") for base in type(given).__mro__)

@@ -158,8 +158,14 @@ def contour(
     progress: _Report,
 ) -> tuple[list[Layer], _Warned]: ...
 def derive(
-    dem: Raster, what: str, multidirectional: bool, numbers: list[float], interval: float | None, progress: _Report
-) -> Raster | Layer: ...
+    dem: Raster,
+    what: str,
+    multidirectional: bool,
+    numbers: list[float],
+    interval: float | None,
+    water: dict[str, Any],
+    progress: _Report,
+) -> tuple[Raster | Layer, _Warned]: ...
 def compare(
     a: Any, b: Any, given: _Options, cells: _Cells, numbers: list[float | None], points: Source | None, progress: _Report
 ) -> Comparison: ...

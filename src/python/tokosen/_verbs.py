@@ -24,7 +24,7 @@ from tokosen._options import (
     height_map,
     options,
 )
-from tokosen._sources import is_frame, source, sources
+from tokosen._sources import is_frame, places, source, sources
 from tokosen._terrain import Mesh, Terrain, intervals_of, is_several, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
@@ -191,7 +191,18 @@ def contour(
     return layers if is_several(interval) else layers[0]
 
 
-Derived = Literal["slope", "aspect", "hillshade", "flow_direction", "flow_accumulation", "steep", "catchments"]
+Derived = Literal[
+    "slope",
+    "aspect",
+    "hillshade",
+    "flow_direction",
+    "flow_accumulation",
+    "steep",
+    "catchments",
+    "stream_lines",
+    "flood",
+    "flood_areas",
+]
 
 
 def derive(
@@ -204,14 +215,26 @@ def derive(
     multidirectional: bool = False,
     steep_angle: float = 30.0,
     steep_height: float = 5.0,
+    accumulation_unit: Literal["cells", "m2"] = "cells",
+    outlet: Any = None,
+    outlet_snap: float | None = None,
+    threshold: float | None = None,
+    flood_level: float | str | None = None,
+    flood_from: Any = None,
     output: Output = None,
     progress: Progress = None,
 ) -> Any:
-    """A raster or areas from a height map, as the command `tokosen derive`.
+    """A raster, lines or areas from a height map, as the command `tokosen derive`.
 
     `dem` is a path, a Dem, a DataArray, or (values, transform, crs). "slope" and "aspect" are in degrees. "hillshade" takes
     `azimuth`, `altitude`, `z_factor` and `multidirectional`. "flow_direction" and "flow_accumulation" are D8. These are a Dem.
     "steep" gives areas of at least `steep_angle` degrees and `steep_height` metres, "catchments" an area for each outlet.
+
+    Water: "flow_accumulation" counts cells, or square metres (`accumulation_unit`). With `outlet`, "catchments" gives those above
+    these places only; each moves to the largest stream within `outlet_snap` metres (default: 3 cells). "stream_lines" are lines
+    where at least `threshold` square metres drain through a cell. "flood" is the depth of water, "flood_areas" its outline and
+    volume: below `flood_level` and joined to the edge or to `flood_from`; or, with a text such as "+3", 3 m above the streams.
+    Places are (x, y), several of them, or points of a GeoDataFrame.
 
     >>> hill = tokosen.dem(tokosen.example(), cell=10)
     >>> tokosen.derive(hill, "slope").quantity, tokosen.derive(hill, "steep", steep_angle=5).geometry_type
@@ -219,7 +242,19 @@ def derive(
     """
     numbers = [float(number) for number in (azimuth, altitude, z_factor, steep_angle, steep_height)]
     with reporting(progress) as report:
-        found = _tokosen.derive(raster("dem", dem), what, multidirectional, numbers, None, report)
+        cells = raster("dem", dem)
+        is_rise = isinstance(flood_level, str) and flood_level.strip().startswith("+")
+        water = {
+            "accumulation_unit": accumulation_unit,
+            "outlet": places("outlet", outlet, cells.crs),
+            "outlet_snap": outlet_snap,
+            "threshold": threshold,
+            "flood_level": None if flood_level is None or is_rise else float(flood_level),
+            "flood_rise": float(flood_level) if flood_level is not None and is_rise else None,
+            "flood_from": places("flood_from", flood_from, cells.crs),
+        }
+        found, warned = _tokosen.derive(cells, what, multidirectional, numbers, None, water, report)
+    warn_of(warned, stacklevel=3)
     return Dem(found) if isinstance(found, _tokosen.Raster) else shaped(found, output, False)
 
 

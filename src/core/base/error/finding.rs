@@ -181,6 +181,12 @@ kinds! {
     StreamBeside = "stream-beside", Warning, "streams beside their valleys";
     /// A stream runs upwards across a contour. The part that does was left out.
     StreamCut = "stream-cut", Warning, "streams that run upwards across contours";
+    /// The surface rises along a stream between contours. The stream falls all the same.
+    StreamClimbs = "stream-climbs", Warning, "streams along which the ground rises";
+    /// A stream parts, and its branches do not meet again.
+    StreamParts = "stream-parts", Warning, "streams that part";
+    /// Most streams contradict the contours. They are of another place.
+    StreamsElsewhere = "streams-elsewhere", Error, "streams that are not those of the contours";
     /// A stream, or a piece of it, is no line along which water runs: a point, a loop, a copy. It was left out.
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
@@ -217,6 +223,10 @@ kinds! {
     SinkOutside = "sink-outside", Note, "sinks outside the frame";
     /// Ground inside contours that are all higher was drained, as asked for.
     HollowDrained = "hollow-drained", Note, "hollows inside contours drained";
+    /// An outlet whose catchment is asked for lies outside the height map.
+    OutletOutside = "outlet-outside", Warning, "outlets outside the height map";
+    /// The catchment above an outlet reaches the edge of the height map. In truth it may be larger.
+    CatchmentCut = "catchment-cut", Warning, "catchments that reach the edge of the height map";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.

@@ -118,6 +118,9 @@ pub enum Error {
          these are feet too. State the unit of x and y, or the coordinate reference system"
     )]
     PlaneUnitUnknown,
+    /// Most streams contradict the contours. The message says how many.
+    #[error("{0}")]
+    StreamsElsewhere(String),
     /// The working system is not a projected system in metres.
     #[error("{name} is no projected system in metres")]
     NotProjectedInMetres {

@@ -1,4 +1,5 @@
-//! Products of a height map: slope, aspect, hillshade, places that are steep and high enough to slide, and the flow of water.
+//! Products of a height map: slope, aspect, hillshade, places that are steep and high enough to slide, the flow of water, and
+//! floods.
 
 mod check;
 mod flow;
@@ -10,7 +11,9 @@ mod steep;
 
 pub use check::check;
 pub use flow::{
-    CatchmentPart, Catchments, FlowDirections, catchment_parts, catchments, flow_accumulation, flow_directions,
+    Accumulated, CatchmentPart, Catchments, Flood, FloodFrom, FloodPart, FlowDirections, FlowLine, Outlet, StreamFlood,
+    catchment_parts, catchments, catchments_above, cells_at_edge, flood_along_streams, flood_to_level,
+    flow_accumulation, flow_directions, flow_lines, snapped_outlet,
 };
 pub use note::{HeightsFrom, steep_note};
 pub use rows::{Derivative, Derived};

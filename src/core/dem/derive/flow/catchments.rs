@@ -43,7 +43,7 @@ pub struct CatchmentPart {
 ///
 /// The time is in proportion to the number of cells.
 pub fn catchments(directions: &FlowDirections) -> Catchments {
-    let grid = *directions.grid();
+    let grid = directions.grid();
     let is_outlet = |cell: &usize| directions.has_data(*cell) && directions.downstream(*cell).is_none();
     let outlets: Vec<usize> = (0..grid.len()).filter(is_outlet).collect();
     let mut numbers = vec![OUTSIDE; grid.len()];
@@ -53,16 +53,31 @@ pub fn catchments(directions: &FlowDirections) -> Catchments {
     let next = |cell: usize| directions.downstream(cell).unwrap_or(cell) as u32;
     let ends = ways_end((0..grid.len()).map(next).collect());
     let labels = ends.into_iter().map(|end| numbers[end as usize]).collect();
-    Catchments { grid, crs: directions.crs().cloned(), labels, outlets }
+    Catchments::new(directions, labels, outlets)
 }
 
 impl Catchments {
+    /// Catchments on the grid of directions: the label of each cell, and the outlet of each label.
+    pub(super) fn new(directions: &FlowDirections, labels: Vec<u32>, outlets: Vec<usize>) -> Self {
+        Self { grid: *directions.grid(), crs: directions.crs().cloned(), labels, outlets }
+    }
+
+    /// The catchment of each cell, from 0; [`OUTSIDE`] if it belongs to none.
+    pub(super) fn labels(&self) -> &[u32] {
+        &self.labels
+    }
+
+    /// The outlet of each catchment: a cell.
+    pub(super) fn outlets(&self) -> &[usize] {
+        &self.outlets
+    }
+
     /// The number of catchments.
     pub fn count(&self) -> usize {
         self.outlets.len()
     }
 
-    /// The catchments as a raster of their numbers from 1. NaN without data.
+    /// The catchments as a raster of their numbers from 1. NaN without data and outside of all catchments.
     ///
     /// # Errors
     /// [`Error::Data`] if there are more catchments than an `f32` can number.

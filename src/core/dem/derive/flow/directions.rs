@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::edge::falls_outwards;
 use crate::base::error::{Error, Result};
 use crate::base::{self, Grid};
 use crate::crs::Crs;
@@ -67,13 +68,16 @@ impl FlowDirections {
 
 /// Finds the neighbour among eight that each cell drains to (D8), so that every cell drains to an outlet.
 ///
-/// Outlets are at the border of the height map and beside cells without data. From there a flood rises over the map
+/// Water can leave at the border of the height map and beside cells without data. From there a flood rises over the map
 /// (priority-flood: Barnes, Lehman and Mulla 2014, Computers & Geosciences 62). It takes the cell with the lowest flooded
 /// height next, and in a pit the lowest ground first, as in GRASS (Metz, Mitasova and Harmon 2011). A cell drains along the
 /// steepest descent (O'Callaghan and Mark 1984) to a neighbour that the flood took before it. Without a lower one, it
 /// drains to the neighbour from which the flood reached it. So pits drain along their lowest ground to the lowest point
 /// of their rim, level ground drains the shortest way, and no height is changed. `scale` gives the distances, as cells
 /// need not be square.
+///
+/// A cell where water can leave is an outlet if its ground falls outwards, by the plane through the cells around it, or if no
+/// neighbour is lower. Otherwise it drains as any other.
 ///
 /// The time is in proportion to n log n for n cells. The memory is two bytes per cell, and sixteen per cell of the
 /// flood's edge. `memory` is what the directions, and the accumulation or the catchments that are computed from them, may take,
@@ -114,6 +118,7 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale, memory: Option<u64>) -> R
         is_taken[cell] = true;
         let height = dem.values[cell];
         let DVec2 { x, y } = size * scale.row(cell / cols);
+        let leaves = towards[cell] == OUTLET && falls_outwards(dem, cell, DVec2 { x, y });
         // To the neighbours on a column, diagonally, and on a row.
         let distances = [y, x.hypot(y), x];
         let mut steepest = 0.0;
@@ -121,7 +126,7 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale, memory: Option<u64>) -> R
             if towards[near] == UNREACHED {
                 towards[near] = ((k + 4) % 8) as u8;
                 flood.push(near, key(dem.values[near], level));
-            } else if is_taken[near] {
+            } else if is_taken[near] && !leaves {
                 let (col, row) = STEPS[k];
                 let distance = if row == 0 { distances[2] } else { distances[col.unsigned_abs()] };
                 let descent = (f64::from(height) - f64::from(dem.values[near])) / distance;

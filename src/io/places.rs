@@ -1,0 +1,52 @@
+//! Points of a file that stand for places.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use super::table::{NO_GEOMETRY, Purpose};
+use super::{ReadOptions, read_table};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::crs::Crs;
+
+/// Places that a file names.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Places {
+    /// Each place with the number of its feature, in the order of the file.
+    pub places: Vec<(DVec2, u64)>,
+    /// Their coordinate reference system, if the file names one.
+    pub crs: Option<Crs>,
+}
+
+/// Reads the points of a file, such as the outlets of catchments. Heights and attributes do not count. Lines and polygons are
+/// left out, and points without valid coordinates, each with a finding.
+///
+/// # Errors
+/// The file cannot be read or has no point.
+pub fn read_places(path: &Path, options: &ReadOptions) -> Result<Report<Places>> {
+    let mut table = read_table(path, options, Purpose::Places)?;
+    let mut findings = std::mem::take(&mut table.findings);
+    let found = table.found_words();
+    let mut places = Vec::new();
+    for feature in &table.features {
+        for spot in &feature.spots {
+            if spot.place.is_finite() {
+                places.push((spot.place, feature.number));
+            } else {
+                let message = "the point has no valid coordinates; it is left out";
+                findings.push(Finding::general(FindingKind::NonFinitePoint, message).of_feature(feature.number));
+            }
+        }
+    }
+    if places.is_empty() {
+        return Err(Error::file(path, format!("there is no point in it{found}; name a file with points")));
+    }
+    let lines: u64 = table.features.iter().map(|feature| feature.lines.len() as u64).sum();
+    let others = table.left_out.into_iter().chain([("lines".to_owned(), lines)]).filter(|(_, count)| *count > 0);
+    for (kind, count) in others {
+        let kind = if kind == NO_GEOMETRY { "features without geometry".into() } else { kind };
+        let message = format!("{}: {count} {kind} left out; only points are read", path.display());
+        findings.push(Finding::general(FindingKind::SkippedFeature, message));
+    }
+    Ok(Report { value: Places { places, crs: table.crs }, findings })
+}
