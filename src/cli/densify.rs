@@ -8,7 +8,7 @@ use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::crs::FromWorking;
 use tokosen::draw::preview::picture;
-use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, content, write_layers_back};
 use tokosen::layers::LayerParams;
 use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
@@ -22,10 +22,11 @@ use super::flags::Flags;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
-use super::output::{self, ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
+use super::output::{ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, SurfaceArgs};
+use super::tiles;
 use super::unit::in_units;
 
 /// Contour lines at a finer interval
@@ -44,7 +45,7 @@ pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
     /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
-    /// per interval; other formats get one file per interval
+    /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten)]
@@ -88,7 +89,8 @@ Examples:
   tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
   tokosen densify feet.gpkg --unit ft -i 2 --to-unit ft -o every_2_feet.gpkg
   tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
-  tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
+  tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg
+  tokosen densify contours.gpkg -i 5 --zooms 10:100,12:20,14:5 -o contours.pmtiles";
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
@@ -97,10 +99,10 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let unit = args.levels.to_unit.unit();
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let files = contour_files(&args.output, &names)?;
+    let files = tiles::files(&args.output, &names)?;
     let job = args.start(&files, &names, console)?;
     console.plan(["slicing", "writing"]);
-    let staged = StagedOutput::create(&args.output)?;
+    let staged = tiles::open(&args.output)?;
     let dem_output = args
         .dem
         .as_deref()
@@ -128,10 +130,19 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     };
     let layers = terrain.contours_with(params, console)?;
     let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
-    let written = console.step("writing", || {
-        let all = output_layers(&layers, labels.as_deref(), &names, &back);
-        write_layers_back(&staged, &all, &back)
-    })?;
+    let map_tiles = match layers.first() {
+        Some(layer) => {
+            tiles::write(&staged, &args.output, &args.levels, (&targets[0], layer), &input.reprojection, console)?
+        }
+        None => None,
+    };
+    let written = match &map_tiles {
+        Some(_) => Vec::new(),
+        None => console.step("writing", || {
+            let all = output_layers(&layers, labels.as_deref(), &names, &back);
+            write_layers_back(&staged, &all, &back)
+        })?,
+    };
     let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
@@ -144,7 +155,10 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     summary::surface(&terrain.surface, console);
     pits.iter().for_each(|pits| summary::pits(pits, "smooth surface", console));
     staged.commit()?;
-    for (k, layer) in layers.iter().enumerate() {
+    if let Some(written) = &map_tiles {
+        tiles::describe(&args.output, written, unit.symbol(), console);
+    }
+    for (k, layer) in layers.iter().enumerate().filter(|_| map_tiles.is_none()) {
         describe(written.get(k).or(written.first()), layer, &back, console);
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
@@ -210,7 +224,6 @@ impl DensifyArgs {
         if let Some(bad) = self.simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
-        output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.levels.check(&self.output)?;
         self.surface.check(flags)
     }

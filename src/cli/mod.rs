@@ -39,6 +39,7 @@ mod source;
 mod suggest;
 mod summary;
 mod surface;
+mod tiles;
 mod unit;
 
 use std::ffi::OsString;
