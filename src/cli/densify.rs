@@ -26,6 +26,7 @@ use super::output::{ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, SurfaceArgs};
+use super::terrain_tiles::ABOUT_TILES;
 use super::tiles;
 use super::unit::in_units;
 
@@ -57,7 +58,8 @@ pub struct DensifyArgs {
     /// lines cross by it [units of the working CRS; default: 1 % of the mean spacing of the contours]
     #[arg(long, value_name = "TOLERANCE", help_heading = "Output", hide_short_help = true)]
     simplify: Option<f64>,
-    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like). It is in the CRS
+    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like), or terrain tiles,
+    /// as 'tokosen dem' does. It is in the CRS
     /// of --to-crs too, unless --like names another grid. 'tokosen dem --base' also covers the ground outside the frame
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
@@ -167,7 +169,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     }
     diagnostics.map(|file| file.commit(console)).transpose()?;
     if let (Some(output), Some(map)) = (dem_output, &map) {
-        output.commit(&map.dem, console)?;
+        output.commit(map, console)?;
     }
     job.commit_picture()?;
     let outside = terrain.findings_outside;
@@ -216,10 +218,9 @@ impl Reference {
 impl DensifyArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, flags: &Flags) -> Result<(), Failure> {
-        if self.dem.is_none() && flags.first(&ABOUT_HEIGHT_MAP).is_some() {
-            return Err(Failure::Usage(
-                "--cell, --cell-degrees, --like, --png-encoding and --cog need --dem FILE".into(),
-            ));
+        let about = ABOUT_HEIGHT_MAP.iter().chain(&ABOUT_TILES);
+        if let Some(flag) = flags.first(about).filter(|_| self.dem.is_none()) {
+            return Err(Failure::Usage(format!("{flag} needs --dem FILE")));
         }
         if let Some(bad) = self.simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));

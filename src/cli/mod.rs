@@ -39,6 +39,7 @@ mod source;
 mod suggest;
 mod summary;
 mod surface;
+mod terrain_tiles;
 mod tiles;
 mod unit;
 

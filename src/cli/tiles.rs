@@ -140,6 +140,7 @@ fn line(zoom: &ZoomSummary, unit: &str) -> String {
     text
 }
 
-fn size(bytes: u64) -> String {
+/// A number of bytes in words.
+pub fn size(bytes: u64) -> String {
     if bytes < 1_000_000 { format!("{:.1} kB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
 }

@@ -29,23 +29,35 @@ pub struct ZoomInterval {
     pub multiple: u32,
 }
 
-/// The intervals of all zooms for a map in Web Mercator from `low` to `high`, whose lines have an interval of `step` metres,
-/// in order of the zoom. The highest zoom is the first that shows all lines.
-pub fn intervals(step: f64, low: DVec2, high: DVec2) -> Vec<ZoomInterval> {
+/// The intervals of all zooms for a map in Web Mercator from `low` to `high`, in order of the zoom. Its lines have an interval
+/// of `step` times `metres`, the metres in a unit of heights. The highest zoom is the first that shows all lines.
+pub fn intervals(step: f64, metres: f64, low: DVec2, high: DVec2) -> Vec<ZoomInterval> {
     let on_ground = latitude(low.midpoint(high)).cos();
-    let needed = |zoom: u8| APART * tile_size(zoom) * on_ground / DRAWN;
+    let needed = |zoom: u8| APART * tile_size(zoom) * on_ground / DRAWN / metres;
     let highest = (0..HIGHEST).find(|zoom| needed(*zoom) <= step).unwrap_or(HIGHEST);
-    let pixels = |zoom: u8| (high - low).max_element() / tile_size(zoom) * DRAWN;
-    let lowest = (0..highest).find(|zoom| pixels(*zoom) >= SMALLEST).unwrap_or(highest);
-    let multiple = |zoom: u8| {
-        if zoom == highest { 1 } else { round_multiples().find(|m| f64::from(*m) * step >= needed(zoom)).unwrap_or(1) }
-    };
+    let lowest = lowest_zoom(high - low, highest);
+    let multiple = |zoom: u8| if zoom == highest { 1 } else { multiple(step, needed(zoom)) };
     (lowest..=highest).map(|zoom| ZoomInterval { zoom, multiple: multiple(zoom) }).collect()
 }
 
-/// 1, 2, 5, 10 and so on.
-fn round_multiples() -> impl Iterator<Item = u32> {
-    (0..9).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u32.pow(power)))
+/// The lowest zoom of tiles for a map of this width and height in Web Mercator metres: below it, the map is smaller than 128
+/// pixels.
+pub fn lowest_zoom(size: DVec2, highest: u8) -> u8 {
+    let pixels = |zoom: u8| size.max_element() / tile_size(zoom) * DRAWN;
+    (0..highest).find(|zoom| pixels(*zoom) >= SMALLEST).unwrap_or(highest)
+}
+
+/// The multiple of an interval that is at least `needed`: one that gives 1, 2 or 5 times a power of ten, if it is less than twice
+/// as large as the smallest of 1, 2, 5, 10 times the interval and so on.
+fn multiple(step: f64, needed: f64) -> u32 {
+    let multiples = || (0..9).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u32.pow(power)));
+    let smallest = multiples().find(|m| f64::from(*m) * step >= needed).unwrap_or(1);
+    let most = 2.0 * f64::from(smallest) * step;
+    let powers = (-9..10).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(power)));
+    let round = powers
+        .map(|interval| interval / step)
+        .find(|m| m * step >= needed && m * step < most && m.round() >= 1.0 && (m - m.round()).abs() < 1e-9 * m);
+    round.map_or(smallest, |m| m.round() as u32)
 }
 
 /// The intervals of all zooms by those that are given: pairs of a zoom and an interval, which holds until the next pair. The
@@ -98,18 +110,22 @@ mod tests {
         // 45 degrees north, 100 km wide.
         let low = DVec2::new(0.0, 5_621_521.0);
         let shown = |step: f64| {
-            let all = intervals(step, low, low + 100e3);
+            let all = intervals(step, 1.0, low, low + 100e3);
             all.iter().map(|z| (z.zoom, f64::from(z.multiple) * step)).collect::<Vec<_>>()
         };
         let tens = [(8, 500.0), (9, 500.0), (10, 200.0), (11, 100.0), (12, 50.0), (13, 20.0), (14, 10.0)];
         assert_eq!(shown(10.0)[shown(10.0).len() - 7..], tens);
         assert_eq!(shown(20.0).last(), Some(&(13, 20.0)));
+        let fives = [(11, 100.0), (12, 50.0), (13, 20.0), (14, 10.0), (15, 5.0)];
+        assert_eq!(shown(5.0)[shown(5.0).len() - 5..], fives);
+        let fours = [(12, 40.0), (13, 20.0), (14, 8.0), (15, 4.0)];
+        assert_eq!(shown(4.0)[shown(4.0).len() - 4..], fours);
         assert_eq!(shown(1.0).last(), Some(&(16, 1.0)), "no zoom above 16");
         assert_eq!(shown(1.0)[shown(1.0).len() - 2], (15, 5.0));
         // A map smaller than a tile at the highest zoom has one zoom at least.
-        assert_eq!(intervals(100.0, low, low + 10.0).len(), 1);
+        assert_eq!(intervals(100.0, 1.0, low, low + 10.0).len(), 1);
         assert_eq!(
-            intervals(1e6, DVec2::splat(-HALF_WIDTH), DVec2::splat(HALF_WIDTH)),
+            intervals(1e6, 1.0, DVec2::splat(-HALF_WIDTH), DVec2::splat(HALF_WIDTH)),
             [ZoomInterval { zoom: 0, multiple: 1 }]
         );
     }

@@ -1,5 +1,5 @@
-//! Contours on the grids of map tiles: for each zoom, fewer levels, fewer vertices, and whole numbers as coordinates. No line
-//! touches another one there.
+//! Contours and heights on the grids of map tiles. Contours: for each zoom, fewer levels, fewer vertices, and whole numbers as
+//! coordinates. No line touches another one there.
 //!
 //! Tile makers simplify each line alone and round afterwards. Both make contours of different levels cross. Here, all lines
 //! of a zoom are simplified together, and each vertex is moved to the grid only if nothing is touched by that:
@@ -12,10 +12,13 @@
 //! 4. [`runs`]: the parts of lines that a tile shows. Tiles take whole segments and cut none. So a line has the same vertices
 //!    in all tiles that show it, and needs no rounding at their edges.
 //!
-//! In the middle of a drawn tile, a unit is a 4096th of its side: an eighth of a pixel if the tile is drawn 512 pixels wide.
+//! [`zoom_heights`] has the heights of terrain tiles.
+//!
+//! A unit is a 4096th of a tile's side: an eighth of a pixel, as map libraries draw vector tiles.
 
 mod cells;
 mod chains;
+mod heights;
 mod intervals;
 mod mercator;
 mod network;
@@ -26,7 +29,8 @@ mod thin;
 #[cfg(test)]
 mod tests;
 
-pub use intervals::{ZoomInterval, given_intervals, intervals, is_shown};
+pub use heights::{ZoomHeights, zoom_heights};
+pub use intervals::{ZoomInterval, given_intervals, intervals, is_shown, lowest_zoom};
 pub use mercator::{HALF_WIDTH, TilePlace, WEB_MERCATOR, tile_size, to_degrees};
 pub use network::{Drawing, LevelLine, LineOnGrid, Network};
 pub use runs::{BUFFER, Run, runs};

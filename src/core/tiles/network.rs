@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::chains::{chains, is_ring};
+use super::chains::{Chain, chains};
 use super::mercator::in_tiles;
 use super::{EXTENT, snap, thin};
 use crate::geometry::Bounds;
@@ -90,14 +90,12 @@ impl Network {
     /// The network of lines for the highest zoom. Those of one level that meet at their ends are joined.
     pub fn new(lines: Vec<LevelLine>, zoom: u8) -> Self {
         let mut network = Self { zoom, fineness: 1, lines: Vec::new(), places: Vec::new() };
-        for line in chains(lines) {
-            let is_ring = is_ring(&line.points);
-            let mut points = line.points;
+        for Chain { level, mut points, is_ring } in chains(lines) {
             if is_ring {
                 points.pop();
             }
             points.iter_mut().for_each(|p| *p = in_tiles(*p, zoom) * f64::from(EXTENT));
-            network.push(line.level, is_ring, points.into_iter());
+            network.push(level, is_ring, points.into_iter());
         }
         network
     }

@@ -4,13 +4,16 @@
 //! segments touch no other line, and if no vertex lies in the ground that the line sweeps over. So every step leads from lines
 //! that are apart to lines that are apart. If the nearest point of the grid is not free, a vertex takes another one, or leaves
 //! its line. Where lines lie closer than the grid can show, the grid gets finer, for all tiles of the zoom; vertices that have
-//! a place keep it. Only what the finest grid cannot show is left out.
+//! a place keep it. Only what the finest grid cannot show is left out. Lines of one level may touch where nothing else helps.
+
+use std::collections::HashMap;
 
 use glam::DVec2;
 
 use super::cells::Cells;
 use super::network::{Line, Links, NONE, Network};
 use super::thin::{is_in_triangle, side};
+use crate::base::bits::bits;
 use crate::geometry::{Bounds, Meeting, Segment, meeting, point_distance};
 
 /// The finest grid: steps per unit.
@@ -27,14 +30,16 @@ const FARTHEST: f64 = 4.0;
 pub(super) fn snap(network: &mut Network) -> usize {
     let mut moving = Moving::new(network);
     let mut waiting: Vec<u32> = (0..moving.places.len() as u32).collect();
-    waiting.retain(|v| !moving.settle(*v, 1.0, FEW));
+    waiting.retain(|v| !moving.settle(*v, 1.0, FEW, Obstacles::All));
     let mut fineness = 1;
     loop {
         let step = 1.0 / f64::from(fineness);
-        let mut before = usize::MAX;
-        while waiting.len() < before {
-            before = waiting.len();
-            waiting.retain(|v| !moving.settle(*v, step, MANY));
+        for obstacles in [Obstacles::All, Obstacles::OtherLevels] {
+            let mut before = usize::MAX;
+            while waiting.len() < before {
+                before = waiting.len();
+                waiting.retain(|v| !moving.settle(*v, step, MANY, obstacles));
+            }
         }
         if waiting.is_empty() || fineness == FINEST {
             break;
@@ -49,6 +54,15 @@ pub(super) fn snap(network: &mut Network) -> usize {
     gaps
 }
 
+/// What a line may not touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Obstacles {
+    /// Any line, also itself.
+    All,
+    /// Lines of other levels. Where contours are missing, lines of one level touch in the input already.
+    OtherLevels,
+}
+
 struct Moving {
     lines: Vec<Line>,
     places: Vec<DVec2>,
@@ -60,6 +74,8 @@ struct Moving {
     links: Links,
     /// Finds segments, each by the number of its first vertex.
     cells: Cells,
+    /// The ends of other lines of the level at the same place, of ends that have some.
+    mates: HashMap<u32, Vec<u32>>,
 }
 
 /// A vertex that is to move.
@@ -72,6 +88,7 @@ struct Move {
     /// The neighbour at whose place it would be.
     merged: u32,
     bounds: Bounds,
+    obstacles: Obstacles,
 }
 
 impl Moving {
@@ -89,7 +106,8 @@ impl Moving {
         let size = 2.0 * mean_length(&places, &links) + REACH;
         let cells = Cells::new(places.len(), size, segment);
         let counts = lines.iter().map(|line| line.count).collect();
-        Self { is_left: vec![true; places.len()], lines, places, line_of, counts, links, cells }
+        let mates = mates(&lines, &places);
+        Self { is_left: vec![true; places.len()], lines, places, line_of, counts, links, cells, mates }
     }
 
     fn at(&self, v: u32) -> DVec2 {
@@ -101,7 +119,7 @@ impl Moving {
     }
 
     /// Brings a vertex to a point of the grid, or out of its line. `count` points are tried. Returns whether it has a place.
-    fn settle(&mut self, v: u32, step: f64, count: usize) -> bool {
+    fn settle(&mut self, v: u32, step: f64, count: usize, obstacles: Obstacles) -> bool {
         let from = self.at(v);
         if (from / step).fract() == DVec2::ZERO {
             return true;
@@ -110,7 +128,10 @@ impl Moving {
         let mut points: [DVec2; MANY] =
             std::array::from_fn(|k| (base + DVec2::new((k % 4) as f64, (k / 4) as f64) - 1.0) * step);
         points.sort_by(|a, b| a.distance_squared(from).total_cmp(&b.distance_squared(from)));
-        if points[..count].iter().any(|to| self.try_move(v, *to)) {
+        // Lines that meet go on meeting.
+        let known = self.mates.get(&v).into_iter().flatten().map(|mate| self.at(*mate));
+        let shared = known.filter(|to| *to != from && to.distance(from) < REACH).collect::<Vec<_>>();
+        if shared.iter().chain(&points[..count]).any(|to| self.try_move(v, *to, obstacles)) {
             return true;
         }
         let (p, n) = (self.links.previous[v as usize], self.links.next[v as usize]);
@@ -118,10 +139,11 @@ impl Moving {
             return false;
         }
         let piece = Segment { a: self.at(p), b: self.at(n) };
-        point_distance(from, &piece) <= FARTHEST && (self.try_move(v, piece.a) || self.try_move(v, piece.b))
+        point_distance(from, &piece) <= FARTHEST
+            && (self.try_move(v, piece.a, obstacles) || self.try_move(v, piece.b, obstacles))
     }
 
-    fn try_move(&mut self, v: u32, to: DVec2) -> bool {
+    fn try_move(&mut self, v: u32, to: DVec2, obstacles: Obstacles) -> bool {
         let ends = [self.links.previous[v as usize], self.links.next[v as usize]];
         let from = self.at(v);
         let known = ends.into_iter().filter(|end| *end != NONE);
@@ -131,8 +153,9 @@ impl Moving {
             return false;
         }
         let bounds = known.fold(Bounds::around(&[from, to]), |b, end| b.union(Bounds::around(&[self.at(end)])));
-        let step = Move { v, from, to, ends, merged, bounds };
-        if merged == NONE && !ends.contains(&NONE) && overlap(to, self.at(ends[0]), self.at(ends[1])) {
+        let step = Move { v, from, to, ends, merged, bounds, obstacles };
+        let is_bend = merged == NONE && !ends.contains(&NONE);
+        if is_bend && obstacles == Obstacles::All && overlap(to, self.at(ends[0]), self.at(ends[1])) {
             return false;
         }
         if self.cells.any(bounds, |segment| self.is_in_the_way(segment, &step)) {
@@ -154,13 +177,16 @@ impl Moving {
     /// Whether a segment, by its first vertex, would touch the line after the move.
     fn is_in_the_way(&self, a: u32, step: &Move) -> bool {
         let b = self.links.next[a as usize];
-        let Move { v, from, to, ends, merged, bounds } = *step;
+        let Move { v, from, to, ends, merged, bounds, obstacles } = *step;
         if b == NONE || a == v || b == v {
             // The second vertex of a segment that is replaced may still be the last one of its line.
             return false;
         }
         let segment = Segment { a: self.at(a), b: self.at(b) };
         if !segment.bounds().meets(&bounds) {
+            return false;
+        }
+        if obstacles == Obstacles::OtherLevels && self.line(a).level == self.line(v).level {
             return false;
         }
         // Ends of other lines of this level at the same place: lines that meet there go on doing so.
@@ -223,6 +249,18 @@ impl Moving {
         }
         (lines, places, gaps)
     }
+}
+
+/// The other ends at the place of each end where lines of one level meet.
+fn mates(lines: &[Line], places: &[DVec2]) -> HashMap<u32, Vec<u32>> {
+    let mut at: HashMap<(u32, [u64; 2]), Vec<u32>> = HashMap::new();
+    for line in lines.iter().filter(|line| !line.is_ring) {
+        for end in [line.first, line.first + line.count - 1] {
+            at.entry((line.level, bits(places[end as usize]))).or_default().push(end);
+        }
+    }
+    let groups = at.into_values().filter(|ends| ends.len() > 1);
+    groups.flat_map(|ends| ends.clone().into_iter().map(move |end| (end, ends.clone()))).collect()
 }
 
 fn mean_length(places: &[DVec2], links: &Links) -> f64 {

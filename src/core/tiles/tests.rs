@@ -39,13 +39,14 @@ fn segments(network: &Network) -> Vec<(usize, Segment)> {
     (0..network.count()).flat_map(of_line).collect()
 }
 
-/// Nothing touches, except neighbours on a line at their common vertex.
+/// No lines of different levels touch, and no line touches itself, except neighbours at their common vertex.
 fn assert_apart(network: &Network) {
     let all = segments(network);
     for (i, (k, s)) in all.iter().enumerate() {
         assert!(s.a != s.b, "a segment without length");
         for (l, t) in &all[i + 1..] {
-            if !s.bounds().meets(&t.bounds()) {
+            let is_same_level = k != l && network.line(*k).level == network.line(*l).level;
+            if is_same_level || !s.bounds().meets(&t.bounds()) {
                 continue;
             }
             let found = meeting(s, t);

@@ -8,8 +8,9 @@ use pmtiles::{PmTilesStreamWriter, PmTilesWriter, TileCoord};
 use rusqlite::{Connection, params};
 use serde_json::{Map, Value, json};
 
-use super::format::METADATA_FILE;
+use super::format::{METADATA_FILE, TileFormat};
 use crate::maker::{MADE_BY, PROGRAM};
+use crate::staged::StagedOutput;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::tiles::TilePlace;
 
@@ -31,12 +32,18 @@ pub(super) struct About {
 pub(super) enum Kind {
     /// Vector tiles, compressed with gzip in archives.
     Vector,
+    /// Pictures.
+    Png,
+    /// Pictures.
+    Webp,
 }
 
 impl Kind {
     fn name(self) -> &'static str {
         match self {
             Self::Vector => "pbf",
+            Self::Png => "png",
+            Self::Webp => "webp",
         }
     }
 }
@@ -81,13 +88,24 @@ pub(super) enum Archive {
 }
 
 impl Archive {
+    /// What `path` names, under its temporary name.
+    pub fn create(out: &StagedOutput, path: &Path, about: &About) -> Result<Self> {
+        match (TileFormat::of(path), TileFormat::folder(path)) {
+            (_, Some((_, extension))) => Self::folder(&out.path(), extension, about),
+            (Some(TileFormat::MbTiles), _) => Self::mbtiles(&out.path(), about),
+            _ => Self::pmtiles(&out.path(), about),
+        }
+    }
+
     /// A PMTiles archive at `path`.
-    pub fn pmtiles(path: &Path, about: &About) -> Result<Self> {
+    fn pmtiles(path: &Path, about: &About) -> Result<Self> {
         let file = File::create(path).map_err(|e| Error::io("create", path, e))?;
         let [west, south, east, north] = about.bounds;
         let [longitude, latitude] = about.centre();
         let (kind, compression) = match about.kind {
             Kind::Vector => (pmtiles::TileType::Mvt, pmtiles::Compression::Gzip),
+            Kind::Png => (pmtiles::TileType::Png, pmtiles::Compression::None),
+            Kind::Webp => (pmtiles::TileType::Webp, pmtiles::Compression::None),
         };
         let made = PmTilesWriter::new(kind)
             .precompressed(compression)
@@ -102,7 +120,7 @@ impl Archive {
     }
 
     /// An MBTiles database at `path`.
-    pub fn mbtiles(path: &Path, about: &About) -> Result<Self> {
+    fn mbtiles(path: &Path, about: &About) -> Result<Self> {
         let made = || -> rusqlite::Result<Connection> {
             let db = Connection::open(path)?;
             // The file gets its name when it is complete. It needs no journal before.
@@ -126,7 +144,7 @@ impl Archive {
     }
 
     /// A folder at `root`, with files of this extension.
-    pub fn folder(root: &Path, extension: &str, about: &About) -> Result<Self> {
+    fn folder(root: &Path, extension: &str, about: &About) -> Result<Self> {
         fs::create_dir(root).map_err(|e| Error::io("create", root, e))?;
         let path = root.join(METADATA_FILE);
         let text = format!("{:#}\n", Value::Object(about.metadata()));
@@ -188,6 +206,18 @@ pub(super) fn compressed(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     let mut out = flate2::write::GzEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::new(9));
     out.write_all(bytes)?;
     out.finish()
+}
+
+/// The number of a tile in PMTiles: archives have their tiles in the order of these.
+pub(super) fn tile_number(tile: TilePlace) -> u64 {
+    // The crate refuses what is no tile of its zoom. There is none.
+    TileCoord::new(tile.zoom, tile.x, tile.y).map_or(0, |place| pmtiles::TileId::from(place).value())
+}
+
+/// The name of a set of tiles: that of its file or folder.
+pub(super) fn name_of(path: &Path) -> String {
+    let target = TileFormat::target(path);
+    target.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// The entry of the metadata about the layers of vector tiles.

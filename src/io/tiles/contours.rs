@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec2;
 use serde_json::{Map, Value as Json, json};
 
-use super::archive::{About, Archive, Kind, compressed, vector_layer};
+use super::archive::{About, Archive, Kind, compressed, name_of, tile_number, vector_layer};
 use super::format::TileFormat;
 use super::mvt::{self, Feature, Value};
 use super::spool::Spool;
@@ -154,7 +154,7 @@ pub fn write_contour_tiles(
     let about = about(path, tiles, &zooms, [low, high]);
     let summaries = made.iter().map(|(_, summary)| summary.clone()).collect();
     step(progress, "archive", || {
-        let mut archive = open(out, path, &about)?;
+        let mut archive = Archive::create(out, path, &about)?;
         for (spool, _) in made {
             spool.read(|tile, bytes| archive.add(tile, bytes), |e| Error::io("read", out.folder(), e))?;
         }
@@ -162,14 +162,6 @@ pub fn write_contour_tiles(
     })
     .map_err(|e| out.with_final_name(e))?;
     Ok(WrittenTiles { zooms: summaries })
-}
-
-fn open(out: &StagedOutput, path: &Path, about: &About) -> Result<Archive> {
-    match (TileFormat::of(path), TileFormat::folder(path)) {
-        (_, Some((_, extension))) => Archive::folder(&out.path(), extension, about),
-        (Some(TileFormat::MbTiles), _) => Archive::mbtiles(&out.path(), about),
-        _ => Archive::pmtiles(&out.path(), about),
-    }
 }
 
 /// All levels in ascending order, and the number of each by the bits of its elevation.
@@ -213,14 +205,18 @@ fn bounds(lines: &[LevelLine]) -> Option<[DVec2; 2]> {
 
 /// The intervals of all zooms.
 fn zooms(tiles: &ContourTiles<'_>, levels: &[Level], low: DVec2, high: DVec2) -> Result<Vec<ZoomInterval>> {
-    let metres = |interval: f64| tiles.back.unit().metres(interval);
+    let metres = tiles.back.unit().metres(1.0);
+    // Low zooms whose interval is larger than the relief show nothing.
+    let is_used = |zoom: &ZoomInterval| levels.iter().any(|level| is_shown(level.steps, zoom.multiple));
     match tiles.target {
-        Target::Interval { step, .. } if tiles.zooms.is_empty() => Ok(intervals(metres(*step), low, high)),
+        Target::Interval { step, .. } if tiles.zooms.is_empty() => {
+            Ok(intervals(*step, metres, low, high).into_iter().skip_while(|zoom| !is_used(zoom)).collect())
+        }
         Target::Interval { step, .. } => given_intervals(tiles.zooms, *step),
         Target::Levels(_) if tiles.zooms.is_empty() => {
             // All of them are at all zooms. The highest is that of an interval as narrow as they are.
             let gap = levels.windows(2).map(|pair| pair[1].value - pair[0].value).fold(f64::INFINITY, f64::min);
-            let all = intervals(metres(if gap.is_finite() { gap } else { 10.0 }), low, high);
+            let all = intervals(if gap.is_finite() { gap } else { 10.0 / metres }, metres, low, high);
             Ok(all.into_iter().map(|zoom| ZoomInterval { multiple: 1, ..zoom }).collect())
         }
         Target::Levels(_) => Err(Error::Parameter("--zooms needs an interval, not a list of levels".into())),
@@ -256,11 +252,7 @@ fn attributes(levels: &[Level], number: usize, tiles: &ContourTiles<'_>, multipl
 
 /// The runs in the order of their tiles in archives.
 fn in_order(runs: Vec<Run>) -> Vec<Run> {
-    let number = |tile: TilePlace| {
-        // The crate refuses what is no tile of its zoom. There is none.
-        pmtiles::TileCoord::new(tile.zoom, tile.x, tile.y).map_or(0, |place| pmtiles::TileId::from(place).value())
-    };
-    let mut numbered: Vec<(u64, Run)> = runs.into_iter().map(|run| (number(run.tile), run)).collect();
+    let mut numbered: Vec<(u64, Run)> = runs.into_iter().map(|run| (tile_number(run.tile), run)).collect();
     numbered.sort_by_key(|(number, run)| (*number, run.line, run.first));
     numbered.into_iter().map(|(_, run)| run).collect()
 }
@@ -327,10 +319,8 @@ fn about(path: &Path, tiles: &ContourTiles<'_>, zooms: &[ZoomInterval], bounds: 
     more.insert("vector_layers".into(), vector_layer(LAYER, &format!("contour lines, ele in {unit}"), &fields, ends));
     let of_zooms = zooms.iter().filter_map(|z| Some((z.zoom.to_string(), json!(interval(tiles.target, z.multiple)?))));
     more.insert("intervals".into(), Json::Object(of_zooms.collect()));
-    let target = TileFormat::target(path);
-    let name = target.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     About {
-        name,
+        name: name_of(path),
         kind: Kind::Vector,
         min_zoom: ends[0],
         max_zoom: ends[1],

@@ -1,4 +1,4 @@
-//! Map tiles: contours as vector tiles, in Web Mercator.
+//! Map tiles in Web Mercator: contours as vector tiles, and heights as pictures.
 //!
 //! Tiles go into one of three things ([`TileFormat`]): a PMTiles archive, which a web server gives out in parts; an MBTiles
 //! database; or a folder of files. The tiles are the same in each.
@@ -15,7 +15,9 @@ mod contours;
 mod format;
 mod mvt;
 mod spool;
+mod terrain;
 
 pub use contours::{ContourTiles, WrittenTiles, ZoomSummary, write_contour_tiles};
 pub use format::TileFormat;
 pub(super) use format::{is_own_folder, is_own_mbtiles, is_own_pmtiles};
+pub use terrain::{TerrainTiles, TerrainZoom, TileImage, WrittenTerrain, pixel_size, write_terrain_tiles};
