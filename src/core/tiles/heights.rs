@@ -50,8 +50,12 @@ pub fn zoom_heights(dem: &Dem, zoom: u8, lowest: u8, side: usize) -> Result<Vec<
     let is_known = dem.values.iter().map(|height| !height.is_nan()).collect();
     let (cols, rows) = (dem.grid.cols, dem.grid.rows);
     let mut all = vec![ZoomHeights { zoom, first, cols, rows, values: dem.values.clone(), is_known, side }];
-    for _ in lowest..zoom {
-        all.push(all[all.len() - 1].coarser());
+    // Below the lowest zoom, pixels become so large that each has a known height in it.
+    while let Some(last) =
+        all.last().filter(|last| last.zoom > 0 && (last.zoom > lowest || last.is_known.contains(&false)))
+    {
+        let coarser = last.coarser();
+        all.push(coarser);
     }
     all.reverse();
     all[0].fill_with_mean();
@@ -59,6 +63,7 @@ pub fn zoom_heights(dem: &Dem, zoom: u8, lowest: u8, side: usize) -> Result<Vec<
         let (below, above) = all.split_at_mut(k);
         above[0].fill_from(&below[k - 1]);
     }
+    all.retain(|heights| heights.zoom >= lowest);
     Ok(all)
 }
 

@@ -22,6 +22,7 @@ mod heights;
 mod intervals;
 mod mercator;
 mod network;
+mod room;
 mod runs;
 mod snap;
 mod thin;

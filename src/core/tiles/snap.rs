@@ -12,6 +12,7 @@ use glam::DVec2;
 
 use super::cells::Cells;
 use super::network::{Line, Links, NONE, Network};
+use super::room::make_room;
 use super::thin::{is_in_triangle, side};
 use crate::base::bits::bits;
 use crate::geometry::{Bounds, Meeting, Segment, meeting, point_distance};
@@ -21,8 +22,8 @@ const FINEST: u32 = 16;
 /// Points of the grid that are tried first, and those that are tried where these are not free.
 const FEW: usize = 4;
 const MANY: usize = 16;
-/// Farthest that a vertex moves, units: a little more than to the farthest of the points that are tried.
-const REACH: f64 = 3.0;
+/// Farthest that a vertex moves, units: to the farthest of the points that are tried, and then away from others.
+const REACH: f64 = 6.0;
 /// Farthest that a line moves where a vertex without a place leaves it, units.
 const FARTHEST: f64 = 4.0;
 
@@ -41,6 +42,13 @@ pub(super) fn snap(network: &mut Network) -> usize {
                 waiting.retain(|v| !moving.settle(*v, step, MANY, obstacles));
             }
         }
+        if fineness > 1 && !waiting.is_empty() {
+            let mut moved = HashMap::new();
+            waiting.retain(|v| {
+                make_room(&mut moving, *v, step, &mut moved);
+                !moving.settle(*v, step, MANY, Obstacles::All)
+            });
+        }
         if waiting.is_empty() || fineness == FINEST {
             break;
         }
@@ -56,14 +64,14 @@ pub(super) fn snap(network: &mut Network) -> usize {
 
 /// What a line may not touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Obstacles {
+pub(super) enum Obstacles {
     /// Any line, also itself.
     All,
     /// Lines of other levels. Where contours are missing, lines of one level touch in the input already.
     OtherLevels,
 }
 
-struct Moving {
+pub(super) struct Moving {
     lines: Vec<Line>,
     places: Vec<DVec2>,
     /// The line of each vertex.
@@ -110,8 +118,23 @@ impl Moving {
         Self { is_left: vec![true; places.len()], lines, places, line_of, counts, links, cells, mates }
     }
 
-    fn at(&self, v: u32) -> DVec2 {
+    pub fn at(&self, v: u32) -> DVec2 {
         self.places[v as usize]
+    }
+
+    /// The ends of segments whose boxes meet a box.
+    pub fn vertices_near(&self, bounds: Bounds) -> Vec<u32> {
+        let mut found = Vec::new();
+        self.cells.any(bounds, |a| {
+            let b = self.links.next[a as usize];
+            if b != NONE && Bounds::around(&[self.at(a), self.at(b)]).meets(&bounds) {
+                found.extend([a, b]);
+            }
+            false
+        });
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     fn line(&self, v: u32) -> &Line {
@@ -143,7 +166,8 @@ impl Moving {
             && (self.try_move(v, piece.a, obstacles) || self.try_move(v, piece.b, obstacles))
     }
 
-    fn try_move(&mut self, v: u32, to: DVec2, obstacles: Obstacles) -> bool {
+    /// Moves a vertex if the line then touches no obstacle, and sweeps over none. At the place of a neighbour, it leaves the line.
+    pub fn try_move(&mut self, v: u32, to: DVec2, obstacles: Obstacles) -> bool {
         let ends = [self.links.previous[v as usize], self.links.next[v as usize]];
         let from = self.at(v);
         let known = ends.into_iter().filter(|end| *end != NONE);
