@@ -116,6 +116,8 @@ mod tests {
         ("--smooth", "-1", Taken),
         ("--sigma", "-1", Taken),
         ("--threads", "-1", Refused),
+        ("--zooms", "-1:5", Refused),
+        ("--max-zoom", "-1", Refused),
     ];
 
     fn words(verb: &str, given: &[&str]) -> Vec<OsString> {
@@ -172,7 +174,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 131;
+    const CASES: usize = 135;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {
