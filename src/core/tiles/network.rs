@@ -1,9 +1,11 @@
 //! All lines of a zoom together.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 
 use super::chains::{Chain, chains};
-use super::mercator::in_tiles;
+use super::mercator::{TilePlace, in_tiles};
 use super::{EXTENT, snap, thin};
 use crate::geometry::Bounds;
 
@@ -51,15 +53,6 @@ pub struct Network {
     pub(super) fineness: u32,
     pub(super) lines: Vec<Line>,
     pub(super) places: Vec<DVec2>,
-}
-
-/// What was left out at a zoom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Drawing {
-    /// Rings and short lines that are too small to be seen.
-    pub too_small: usize,
-    /// Gaps in lines that lie closer to another level than any grid shows.
-    pub gaps: usize,
 }
 
 /// A line whose vertices are on the grid.
@@ -144,8 +137,8 @@ impl Network {
         EXTENT * self.fineness
     }
 
-    /// Leaves out what cannot be seen and moves all vertices to the grid. No line touches another one by it.
-    pub fn draw(&mut self, is_highest: bool) -> Drawing {
+    /// Leaves out what cannot be seen: lines, whose number is returned, and vertices. No line touches another one by it.
+    pub fn simplify(&mut self, is_highest: bool) -> usize {
         let (tolerance, smallest) = if is_highest { (FINE_TOLERANCE, FINE_SMALLEST) } else { (TOLERANCE, SMALLEST) };
         let before = self.lines.len();
         let size = |line: &Line| {
@@ -155,10 +148,26 @@ impl Network {
         };
         let is_seen: Vec<bool> = self.lines.iter().map(|line| size(line) >= smallest).collect();
         self.retain(|k, _| is_seen[k]);
-        let too_small = before - self.lines.len();
         thin::thin(self, tolerance, LONGEST);
-        let gaps = snap::snap(self);
-        Drawing { too_small, gaps }
+        before - self.lines.len()
+    }
+
+    /// The tile with the most vertices of lines whose level is shown, and their number; none if there is none.
+    pub fn fullest_tile(&self, is_shown: impl Fn(u32) -> bool) -> Option<(TilePlace, usize)> {
+        let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+        for line in self.lines.iter().filter(|line| is_shown(line.level)) {
+            for place in &self.places[line.first as usize..(line.first + line.count) as usize] {
+                let tile = *place / f64::from(EXTENT);
+                *counts.entry((tile.x as u32, tile.y as u32)).or_default() += 1;
+            }
+        }
+        let ((x, y), count) = counts.into_iter().max_by_key(|(_, count)| *count)?;
+        Some((TilePlace { zoom: self.zoom, x, y }, count))
+    }
+
+    /// Moves all vertices to the grid. Returns the number of gaps in lines that lie closer to another level than any grid shows.
+    pub fn to_grid(&mut self) -> usize {
+        snap::snap(self)
     }
 
     /// The same lines for the next lower zoom, those whose level is needed there.
@@ -191,7 +200,7 @@ impl Network {
         self.lines.len()
     }
 
-    /// A line, after [`Network::draw`].
+    /// A line, after [`Network::to_grid`].
     pub fn line(&self, k: usize) -> LineOnGrid<'_> {
         let Line { level, first, count, is_ring } = self.lines[k];
         let places = &self.places[first as usize..(first + count) as usize];

@@ -22,6 +22,8 @@ const FINEST: u32 = 16;
 /// Points of the grid that are tried first, and those that are tried where these are not free.
 const FEW: usize = 4;
 const MANY: usize = 16;
+/// How often vertices are tried again on one grid, because others around them have moved.
+const ROUNDS: usize = 6;
 /// Farthest that a vertex moves, units: to the farthest of the points that are tried, and then away from others.
 const REACH: f64 = 6.0;
 /// Farthest that a line moves where a vertex without a place leaves it, units.
@@ -36,10 +38,12 @@ pub(super) fn snap(network: &mut Network) -> usize {
     loop {
         let step = 1.0 / f64::from(fineness);
         for obstacles in [Obstacles::All, Obstacles::OtherLevels] {
-            let mut before = usize::MAX;
-            while waiting.len() < before {
-                before = waiting.len();
+            for _ in 0..ROUNDS {
+                let before = waiting.len();
                 waiting.retain(|v| !moving.settle(*v, step, MANY, obstacles));
+                if waiting.len() == before {
+                    break;
+                }
             }
         }
         if fineness > 1 && !waiting.is_empty() {

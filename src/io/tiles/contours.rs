@@ -25,6 +25,8 @@ use tokosen_core::tiles::{
 const LAYER: &str = "contours";
 /// Bytes that a tile may have, as it is stored. Map libraries get slow beyond.
 const MOST_BYTES: usize = 500_000;
+/// Vertices that a tile may have. Each takes more than a byte.
+const MOST_VERTICES: usize = 400_000;
 /// Tiles that are made before they are written.
 const BATCH: usize = 2048;
 
@@ -117,17 +119,26 @@ pub fn write_contour_tiles(
     let mut network = Network::new(lines, highest);
     let mut made: Vec<(Spool, ZoomSummary)> = Vec::new();
     for (k, zoom) in zooms.iter().enumerate().rev() {
-        let drawing = network.draw(zoom.zoom == highest);
+        let shown = interval(tiles.target, zoom.multiple);
+        let too_small = network.simplify(zoom.zoom == highest);
+        // What is far too dense would also take long.
+        if let Some((tile, count)) =
+            network.fullest_tile(|level| shows(level, zoom.multiple)).filter(|f| f.1 > MOST_VERTICES)
+        {
+            let what = format!("{count} vertices, more than {MOST_VERTICES}");
+            return Err(too_large(path, tile, &what, shown, unit));
+        }
+        let gaps = network.to_grid();
         let mut spool = Spool::new(out.folder())?;
         let mut summary = ZoomSummary {
             zoom: zoom.zoom,
-            interval: interval(tiles.target, zoom.multiple),
+            interval: shown,
             tiles: 0,
             bytes: 0,
             largest: 0,
             extent: network.extent(),
-            too_small: drawing.too_small,
-            gaps: drawing.gaps,
+            too_small,
+            gaps,
         };
         let attributes: Vec<_> = (0..levels.len()).map(|l| attributes(&levels, l, tiles, zoom.multiple)).collect();
         let runs = in_order(runs(&network, |level| shows(level, zoom.multiple)));
@@ -136,7 +147,10 @@ pub fn write_contour_tiles(
             let encoded = parallel::map_each(batch, |group| encode(&network, group, &attributes, path));
             for (group, bytes) in batch.iter().zip(encoded) {
                 let bytes = bytes?;
-                check_size(path, group[0].tile, bytes.len(), &summary, unit)?;
+                if bytes.len() > MOST_BYTES {
+                    let what = format!("{} kB, more than {} kB", bytes.len() / 1000, MOST_BYTES / 1000);
+                    return Err(too_large(path, group[0].tile, &what, shown, unit));
+                }
                 summary.largest = summary.largest.max(bytes.len());
                 summary.bytes += bytes.len() as u64;
                 spool.add(group[0].tile, &bytes).map_err(|e| Error::io("write", path, e))?;
@@ -288,26 +302,20 @@ fn encode(network: &Network, group: &[Run], attributes: &[[(&'static str, Value)
     }
 }
 
-fn check_size(path: &Path, tile: TilePlace, bytes: usize, zoom: &ZoomSummary, unit: ElevationUnit) -> Result<()> {
-    if bytes <= MOST_BYTES {
-        return Ok(());
-    }
-    let TilePlace { zoom: z, x, y } = tile;
-    let remedy = match zoom.interval {
+/// The error about a tile that is too large: `what` it would have, and what to do.
+fn too_large(path: &Path, tile: TilePlace, what: &str, interval: Option<f64>, unit: ElevationUnit) -> Error {
+    let TilePlace { zoom, x, y } = tile;
+    let remedy = match interval {
         Some(interval) => format!(
-            "it shows every {interval} {}. State larger intervals for the low zooms, or begin at a higher zoom, for example: \
-             --zooms {}:{},{}:{interval}",
+            "it shows every {interval} {}. State a larger interval for this zoom, or begin at a higher one, for example: \
+             --zooms {zoom}:{},{}:{interval}",
             unit.symbol(),
-            z,
             interval * 5.0,
-            z + 1
+            zoom + 2
         ),
         None => "write fewer levels".to_owned(),
     };
-    Err(Error::file(
-        path,
-        format!("the tile {z}/{x}/{y} would have {} kB, more than {} kB: {remedy}", bytes / 1000, MOST_BYTES / 1000),
-    ))
+    Error::file(path, format!("the tile {zoom}/{x}/{y} would have {what}: {remedy}"))
 }
 
 fn about(path: &Path, tiles: &ContourTiles<'_>, zooms: &[ZoomInterval], bounds: [DVec2; 2]) -> About {
