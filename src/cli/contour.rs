@@ -137,7 +137,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let shown = part.as_ref().map_or(Cow::Borrowed(&dem), |part| Cow::Owned(shown(&dem, part)));
     let [low, high] = shown.corners();
     let labels = args.levels.labels.place(&found.layers, (low, high), unit)?;
-    let map_tiles = match found.layers.first().filter(|layer| !layer.lines.is_empty()) {
+    let map_tiles = match found.layers.first() {
         Some(layer) => {
             tiles::write(&staged, &args.output, &args.levels, (&params.targets[0], layer), &reprojection, console)?
         }

@@ -59,8 +59,8 @@ pub struct DensifyArgs {
     #[arg(long, value_name = "TOLERANCE", help_heading = "Output", hide_short_help = true)]
     simplify: Option<f64>,
     /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like), or terrain tiles,
-    /// as 'tokosen dem' does. It is in the CRS
-    /// of --to-crs too, unless --like names another grid. 'tokosen dem --base' also covers the ground outside the frame
+    /// as 'tokosen dem' does. It is in the CRS of --to-crs too, unless --like names another grid. 'tokosen dem --base' also
+    /// covers the ground outside the frame
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -160,8 +160,10 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     if let Some(written) = &map_tiles {
         tiles::describe(&args.output, written, unit.symbol(), console);
     }
-    for (k, layer) in layers.iter().enumerate().filter(|_| map_tiles.is_none()) {
-        describe(written.get(k).or(written.first()), layer, &back, console);
+    for (k, layer) in layers.iter().enumerate() {
+        if map_tiles.is_none() {
+            describe(written.get(k).or(written.first()), layer, &back, console);
+        }
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
