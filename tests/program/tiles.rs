@@ -1,5 +1,7 @@
 //! Map tiles: the same tiles in each kind of set, what replaces what, and wrong usage.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};

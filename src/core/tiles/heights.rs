@@ -2,7 +2,7 @@
 //!
 //! A pixel of a lower zoom is the mean of the heights of the two by two pixels below it. Colours are made of heights last: the
 //! mean of two colours is another height. Map libraries know no pixel without a height, they would show a hole of some
-//! kilometres there. So such pixels get heights from the lower zooms around them.
+//! kilometres there. So such pixels, also those beyond the height map, get heights from the lower zooms around them.
 
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ const BESIDE: f64 = 1e-3;
 pub struct ZoomHeights {
     /// The zoom.
     pub zoom: u8,
-    /// Pixels from the west and the north edge of the map to the first one.
+    /// Pixels from the west and the north edge of the map to the first one, which is the first of a tile.
     first: [i64; 2],
     cols: usize,
     rows: usize,
@@ -47,15 +47,12 @@ pub fn zoom_heights(dem: &Dem, zoom: u8, lowest: u8, side: usize) -> Result<Vec<
         return Err(Error::Data("no cell of the height map has a height, so there is no tile to write".into()));
     }
     let first = from_edge.round().to_array().map(|c| c as i64);
-    let is_known = dem.values.iter().map(|height| !height.is_nan()).collect();
-    let (cols, rows) = (dem.grid.cols, dem.grid.rows);
-    let mut all = vec![ZoomHeights { zoom, first, cols, rows, values: dem.values.clone(), is_known, side }];
-    // Below the lowest zoom, pixels become so large that each has a known height in it.
-    while let Some(last) =
-        all.last().filter(|last| last.zoom > 0 && (last.zoom > lowest || last.is_known.contains(&false)))
-    {
-        let coarser = last.coarser();
-        all.push(coarser);
+    let mut all = vec![ZoomHeights::with_whole_tiles(zoom, side, first, [dem.grid.cols, dem.grid.rows], |col, row| {
+        dem.values[row * dem.grid.cols + col]
+    })];
+    // At zoom 0, a pixel holds the mean of the whole map, for what lies far from it.
+    for _ in 0..zoom {
+        all.push(all[all.len() - 1].coarser());
     }
     all.reverse();
     all[0].fill_with_mean();
@@ -68,31 +65,41 @@ pub fn zoom_heights(dem: &Dem, zoom: u8, lowest: u8, side: usize) -> Result<Vec<
 }
 
 impl ZoomHeights {
+    /// Heights of columns and rows from `first` on, with NaN around them up to the edges of tiles.
+    fn with_whole_tiles(
+        zoom: u8,
+        side: usize,
+        first: [i64; 2],
+        size: [usize; 2],
+        height: impl Fn(usize, usize) -> f32 + Sync,
+    ) -> Self {
+        let tile = side as i64;
+        let begin = first.map(|c| c.div_euclid(tile) * tile);
+        let count = |axis: usize| {
+            let last = first[axis] + size[axis] as i64 - 1;
+            ((last.div_euclid(tile) + 1) * tile - begin[axis]) as usize
+        };
+        let (cols, rows) = (count(0), count(1));
+        let before = [0, 1].map(|axis| (first[axis] - begin[axis]) as usize);
+        let values = parallel::cells(cols, rows, |col, row| {
+            let place = [col.wrapping_sub(before[0]), row.wrapping_sub(before[1])];
+            if place[0] < size[0] && place[1] < size[1] { height(place[0], place[1]) } else { f32::NAN }
+        });
+        let is_known = values.iter().map(|height| !height.is_nan()).collect();
+        Self { zoom, first: begin, cols, rows, values, is_known, side }
+    }
+
     /// The next lower zoom. NaN where no pixel below has a height.
     fn coarser(&self) -> Self {
-        let first = self.first.map(|c| c.div_euclid(2));
-        let last = [self.cols, self.rows].map(|n| n as i64 - 1);
-        let size = |axis: usize| ((self.first[axis] + last[axis]).div_euclid(2) - first[axis] + 1) as usize;
-        let (cols, rows) = (size(0), size(1));
+        // Tiles have an even number of pixels, so the first pixel is the first of a pair.
         let mean = |col: usize, row: usize| {
-            let begin = [col, row].map(|k| k as i64 * 2);
-            let (mut sum, mut count) = (0.0, 0);
-            for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                let x = 2 * first[0] + begin[0] + x - self.first[0];
-                let y = 2 * first[1] + begin[1] + y - self.first[1];
-                if x < 0 || y < 0 || x > last[0] || y > last[1] {
-                    continue;
-                }
-                let height = self.values[y as usize * self.cols + x as usize];
-                if !height.is_nan() {
-                    (sum, count) = (sum + f64::from(height), count + 1);
-                }
-            }
+            let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (2 * row + y) * self.cols + 2 * col + x);
+            let known = pixels.into_iter().map(|k| self.values[k]).filter(|height| !height.is_nan());
+            let (sum, count) = known.fold((0.0, 0), |(sum, count), height| (sum + f64::from(height), count + 1));
             if count > 0 { (sum / f64::from(count)) as f32 } else { f32::NAN }
         };
-        let values = parallel::cells(cols, rows, mean);
-        let is_known = values.iter().map(|height| !height.is_nan()).collect();
-        Self { zoom: self.zoom - 1, first, cols, rows, values, is_known, side: self.side }
+        let first = self.first.map(|c| c.div_euclid(2));
+        Self::with_whole_tiles(self.zoom - 1, self.side, first, [self.cols / 2, self.rows / 2], mean)
     }
 
     fn fill_with_mean(&mut self) {
@@ -130,27 +137,21 @@ impl ZoomHeights {
     pub fn tiles(&self) -> Vec<TilePlace> {
         let side = self.side as i64;
         let range = |axis: usize, count: usize| {
-            let most = (1_i64 << self.zoom) - 1;
-            let last = self.first[axis] + count as i64 - 1;
-            self.first[axis].div_euclid(side).max(0)..=last.div_euclid(side).min(most)
+            let first = self.first[axis].div_euclid(side);
+            first.max(0)..(first + count as i64 / side).min(1 << self.zoom)
         };
         let places = range(1, self.rows).flat_map(|y| range(0, self.cols).map(move |x| (x, y)));
         let places = places.map(|(x, y)| TilePlace { zoom: self.zoom, x: x as u32, y: y as u32 });
         places.filter(|tile| self.pixels(*tile).any(|(_, is_known)| is_known)).collect()
     }
 
-    /// The heights of a tile, row by row from the north, and whether each is known. Beyond the height map, they are those of
-    /// its nearest pixel.
+    /// The heights of a tile, row by row from the north, and whether each is that of the height map.
     pub fn pixels(&self, tile: TilePlace) -> impl Iterator<Item = (f32, bool)> + '_ {
-        let side = self.side as i64;
-        let corner = [tile.x, tile.y].map(|k| i64::from(k) * side);
-        let count = [self.cols, self.rows].map(|n| n as i64);
-        (0..side * side).map(move |k| {
-            let place = [k % side + corner[0] - self.first[0], k / side + corner[1] - self.first[1]];
-            let [x, y] = [place[0].clamp(0, count[0] - 1), place[1].clamp(0, count[1] - 1)];
-            let index = y as usize * self.cols + x as usize;
-            (self.values[index], [x, y] == place && self.is_known[index])
-        })
+        let side = self.side;
+        let before =
+            [(tile.x, 0), (tile.y, 1)].map(|(k, axis)| (i64::from(k) * side as i64 - self.first[axis]) as usize);
+        let rows = (0..side).map(move |row| (before[1] + row) * self.cols + before[0]);
+        rows.flat_map(move |first| first..first + side).map(|k| (self.values[k], self.is_known[k]))
     }
 }
 
@@ -159,6 +160,13 @@ mod tests {
     use super::*;
     use crate::base::Grid;
     use crate::crs::Crs;
+
+    impl ZoomHeights {
+        /// The height of a pixel of the map.
+        fn at(&self, place: [i64; 2]) -> f32 {
+            self.values[(place[1] - self.first[1]) as usize * self.cols + (place[0] - self.first[0]) as usize]
+        }
+    }
 
     /// A plane in Web Mercator, with a hole.
     fn dem(zoom: u8, side: usize) -> Dem {
@@ -187,11 +195,11 @@ mod tests {
         }
         // Column 901 is the right one of a pair, 902 and 903 are one pixel of the zoom below; the same of rows 778 and 779.
         let mean = (104.0 - 1.0 + 108.0 - 1.0 + 104.0 - 2.0 + 108.0 - 2.0) / 4.0;
-        assert_eq!(all[3].values[all[3].cols + 1], mean);
-        for (height, known) in dem.values.iter().zip(&all[4].values) {
-            assert!(height.is_nan() || height == known);
+        assert_eq!(all[3].at([902 / 2, 778 / 2]), mean);
+        for (k, height) in dem.values.iter().enumerate() {
+            assert!(height.is_nan() || *height == all[4].at([901 + k as i64 % 150, 777 + k as i64 / 150]));
         }
-        let middle = all[4].values[40 * 150 + 40];
+        let middle = all[4].at([901 + 40, 777 + 40]);
         assert!((middle - 220.0).abs() < 40.0, "{middle}");
     }
 

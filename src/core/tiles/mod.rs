@@ -4,12 +4,12 @@
 //! Tile makers simplify each line alone and round afterwards. Both make contours of different levels cross. Here, all lines
 //! of a zoom are simplified together, and each vertex is moved to the grid only if nothing is touched by that:
 //!
-//! 1. [`intervals`]: which levels a zoom shows.
+//! 1. [`intervals()`]: which levels a zoom shows.
 //! 2. [`Network::new`]: lines of one level that meet at their ends become one; places become units of the grid of the highest
 //!    zoom.
 //! 3. From the highest zoom to the lowest: [`Network::simplify`] leaves vertices out (`thin`), and [`Network::to_grid`] moves
 //!    the others to the grid (`snap`). What comes out is the beginning of the next zoom. So lines keep their course from zoom to zoom.
-//! 4. [`runs`]: the parts of lines that a tile shows. Tiles take whole segments and cut none. So a line has the same vertices
+//! 4. [`runs()`]: the parts of lines that a tile shows. Tiles take whole segments and cut none. So a line has the same vertices
 //!    in all tiles that show it, and needs no rounding at their edges.
 //!
 //! [`zoom_heights`] has the heights of terrain tiles.

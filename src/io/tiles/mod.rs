@@ -4,7 +4,7 @@
 //! database; or a folder of files. The tiles are the same in each.
 //!
 //! Contours are drawn from the highest zoom to the lowest (`tokosen_core::tiles`), but archives begin with the lowest. So the
-//! tiles of each zoom wait in a temporary file ([`Spool`](spool::Spool)) until all are made. Memory holds the lines of one
+//! tiles of each zoom wait in a temporary file (`spool`) until all are made. Memory holds the lines of one
 //! zoom, and a place for each tile.
 //!
 //! The format of PMTiles comes from the crate `pmtiles`, and protocol buffers from `quick-protobuf`. Of vector tiles only four

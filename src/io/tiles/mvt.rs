@@ -55,11 +55,9 @@ impl<'a> Feature<'a> {
     }
 
     fn step_to(&mut self, p: [i64; 2]) {
-        for axis in 0..2 {
-            // Tiles are small: steps fit into 32 bits.
-            let step = (p[axis] - self.last[axis]) as i32;
-            self.geometry.push(((step << 1) ^ (step >> 31)) as u32);
-        }
+        // Tiles are small: steps fit into 32 bits.
+        let steps = [p[0] - self.last[0], p[1] - self.last[1]].map(|step| step as i32);
+        self.geometry.extend(steps.map(|step| ((step << 1) ^ (step >> 31)) as u32));
         self.last = p;
     }
 }
