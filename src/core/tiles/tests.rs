@@ -84,7 +84,7 @@ proptest! {
 #[test]
 fn lines_that_a_grid_cannot_hold_make_it_finer() {
     let mut network = Network::new(slope(5, 0.2, 6), 14);
-    let (left_out, gaps) = draw(&mut network, true);
+    let (_, gaps) = draw(&mut network, true);
     assert_apart(&network);
     assert_eq!(gaps, 0);
     assert!(network.extent() > EXTENT, "a step is {} m", tile_size(14) / f64::from(EXTENT));
@@ -97,7 +97,7 @@ fn what_touches_already_gets_a_gap() {
         points: (0..50).map(|i| DVec2::new(f64::from(i) * 9.0, y * (f64::from(i) - 25.0)) + 4e5).collect(),
     };
     let mut network = Network::new(vec![line(1, 1.0), line(2, -1.0)], 14);
-    let (left_out, gaps) = draw(&mut network, true);
+    let (_, gaps) = draw(&mut network, true);
     assert!(gaps > 0);
 }
 
