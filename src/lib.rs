@@ -150,7 +150,7 @@ pub mod terrain;
 #[doc(inline)]
 pub use tokosen_core::{
     arrays, base, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster, resample, skeleton,
-    slice, spline, streams, subdivision, subdomains, surface, tin, tuning, validate,
+    slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
 };
 #[cfg(feature = "draw")]
 #[doc(inline)]

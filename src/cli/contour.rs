@@ -11,7 +11,7 @@ use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{read_dem, write_picture};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, VectorSource, content, contour_files, write_layers_back};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, VectorSource, content, write_layers_back};
 use tokosen::raster::Dem;
 use tokosen::terrain::read_area_on;
 
@@ -22,7 +22,7 @@ use super::output;
 use super::part::PartArgs;
 use super::source::source;
 use super::unit::in_units;
-use super::{memory, plane, summary};
+use super::{memory, plane, summary, tiles};
 
 /// Contour lines of a height map
 ///
@@ -51,7 +51,7 @@ pub struct ContourArgs {
     #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
     crs: Option<Crs>,
     /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
-    /// per interval; other formats get one file per interval
+    /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten)]
@@ -90,7 +90,8 @@ Examples:
   tokosen contour noisy.tif -i 1 --smooth 3 -o contours.shp
   tokosen contour dem.tif -i 5 --clip district.geojson -o district.gpkg
   tokosen contour dem.tif -i 10 --to-unit ft -o every_10_feet.dxf
-  tokosen contour dem.asc --crs EPSG:6677 --levels 12.5,13 --tolerance 0.2 -o flood.fgb";
+  tokosen contour dem.asc --crs EPSG:6677 --levels 12.5,13 --tolerance 0.2 -o flood.fgb
+  tokosen contour dem.tif -i 10 -o contours.pmtiles";
 
 /// Runs the verb.
 pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
@@ -99,7 +100,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     args.check(&names, console)?;
-    let staged = StagedOutput::create(&args.output)?;
+    let staged = tiles::open(&args.output)?;
     let picture = args.preview.as_deref().map(StagedOutput::create).transpose()?;
 
     console.plan(["reading"]);
@@ -136,10 +137,19 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let shown = part.as_ref().map_or(Cow::Borrowed(&dem), |part| Cow::Owned(shown(&dem, part)));
     let [low, high] = shown.corners();
     let labels = args.levels.labels.place(&found.layers, (low, high), unit)?;
-    let written = console.step("writing", || {
-        let all = output_layers(&found.layers, labels.as_deref(), &names, &back);
-        write_layers_back(&staged, &all, &back)
-    })?;
+    let map_tiles = match found.layers.first() {
+        Some(layer) => {
+            tiles::write(&staged, &args.output, &args.levels, (&params.targets[0], layer), &reprojection, console)?
+        }
+        None => None,
+    };
+    let written = match &map_tiles {
+        Some(_) => Vec::new(),
+        None => console.step("writing", || {
+            let all = output_layers(&found.layers, labels.as_deref(), &names, &back);
+            write_layers_back(&staged, &all, &back)
+        })?,
+    };
     if let Some(staged) = &picture {
         console.step("drawing", || draw(staged, &shown, &found))?;
     }
@@ -147,7 +157,10 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     summary::findings(&findings, console);
     args.describe(&dem, &found, console);
     staged.commit()?;
-    for (k, layer) in found.layers.iter().enumerate() {
+    if let Some(written) = &map_tiles {
+        tiles::describe(&args.output, written, unit.symbol(), console);
+    }
+    for (k, layer) in found.layers.iter().enumerate().filter(|_| map_tiles.is_none()) {
         let path = written.get(k).or(written.first()).map(|path| path.display().to_string()).unwrap_or_default();
         let vertices: usize = layer.lines.iter().map(|line| line.points.len()).sum();
         let (name, lines) = (&layer.name, layer.lines.len());
@@ -177,10 +190,9 @@ impl ContourArgs {
         if let Some(bad) = self.smooth.filter(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
         }
-        output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.levels.check(&self.output)?;
         self.preview.as_deref().map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
-        let files = contour_files(&self.output, layers)?;
+        let files = tiles::files(&self.output, layers)?;
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
         let outputs: Vec<PlannedOutput<'_>> =
             contours.chain(self.preview.as_deref().map(PlannedOutput::from)).collect();

@@ -32,7 +32,8 @@ use super::unit::ToUnitArgs;
 pub struct DemArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Height map to write: GeoTIFF (.tif), OpenEXR (.exr), PNG (.png), ESRI ASCII grid (.asc) or text (.xyz)
+    /// Height map to write: GeoTIFF (.tif), OpenEXR (.exr), PNG (.png), ESRI ASCII grid (.asc) or text (.xyz). Or terrain
+    /// tiles (with --max-zoom): .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.png'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
@@ -63,12 +64,13 @@ Examples:
   tokosen dem contours.gpkg --base published_dem.tif --cell 10 -o whole_area.tif
   tokosen dem contours.gpkg --cell 10 --to-unit us-ft -o feet.tif
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
-  tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
+  tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox
+  tokosen dem contours.gpkg --max-zoom 13 -o terrain.pmtiles";
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let crs = args.to_crs.to_crs.as_ref();
-    args.height_map.grid.check(crs)?;
+    args.height_map.check(&args.output, crs, args.to_unit.unit())?;
     args.surface.check(&console.flags)?;
     let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
@@ -91,15 +93,15 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let map = output.write(&terrain, console)?.collect(&mut terrain.findings);
     job.check_strict(&terrain.findings)?;
     let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
-    let pits = wants_pits.then(|| terrain.pits_of(&map.dem, &output.grid)).transpose()?;
+    let pits = wants_pits.then(|| terrain.pits_of(&map.map.dem, &output.grid)).transpose()?;
     diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     pits.iter().for_each(|pits| summary::pits(pits, "height map", console));
-    map.base.iter().for_each(|base| base::describe(base, console));
-    output.commit(&map.dem, console)?;
+    map.map.base.iter().for_each(|base| base::describe(base, console));
+    output.commit(&map, console)?;
     diagnostics.map(|file| file.commit(console)).transpose()?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

@@ -9,7 +9,7 @@ use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;
 use tokosen::draw::preview::picture;
-use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, content, write_layers_back};
 use tokosen::layers::{LayerParams, are_given};
 use tokosen::surface::{SurfaceKind, Triangles, working_pits};
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
@@ -23,10 +23,12 @@ use super::flags::Flags;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
-use super::output::{self, ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
+use super::output::{ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
+use super::terrain_tiles::ABOUT_TILES;
+use super::tiles;
 use super::unit::in_units;
 
 /// Contour lines at a finer interval
@@ -45,7 +47,7 @@ pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
     /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
-    /// per interval; other formats get one file per interval
+    /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten)]
@@ -57,8 +59,9 @@ pub struct DensifyArgs {
     /// lines cross by it [units of the working CRS; default: 1 % of the mean spacing of the contours]
     #[arg(long, value_name = "TOLERANCE", help_heading = "Output", hide_short_help = true)]
     simplify: Option<f64>,
-    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like). It is in the CRS
-    /// of --to-crs too, unless --like names another grid. 'tokosen dem --base' also covers the ground outside the frame
+    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like), or terrain tiles,
+    /// as 'tokosen dem' does. It is in the CRS of --to-crs too, unless --like names another grid. 'tokosen dem --base' also
+    /// covers the ground outside the frame
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -89,7 +92,8 @@ Examples:
   tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
   tokosen densify feet.gpkg --unit ft -i 2 --to-unit ft -o every_2_feet.gpkg
   tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
-  tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
+  tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg
+  tokosen densify contours.gpkg -i 5 --zooms 10:100,12:20,14:5 -o contours.pmtiles";
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
@@ -98,10 +102,10 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let unit = args.levels.to_unit.unit();
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let files = contour_files(&args.output, &names)?;
+    let files = tiles::files(&args.output, &names)?;
     let job = args.start(&files, &names, console)?;
     console.plan(["slicing", "writing"]);
-    let staged = StagedOutput::create(&args.output)?;
+    let staged = tiles::open(&args.output)?;
     let dem_output = args
         .dem
         .as_deref()
@@ -141,10 +145,19 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let has_surface = linear.is_none();
     let (mut terrain, layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
     let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
-    let written = console.step("writing", || {
-        let all = output_layers(&layers, labels.as_deref(), &names, &back);
-        write_layers_back(&staged, &all, &back)
-    })?;
+    let map_tiles = match layers.first() {
+        Some(layer) => {
+            tiles::write(&staged, &args.output, &args.levels, (&targets[0], layer), &input.reprojection, console)?
+        }
+        None => None,
+    };
+    let written = match &map_tiles {
+        Some(_) => Vec::new(),
+        None => console.step("writing", || {
+            let all = output_layers(&layers, labels.as_deref(), &names, &back);
+            write_layers_back(&staged, &all, &back)
+        })?,
+    };
     let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
@@ -160,8 +173,13 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     }
     pits.iter().for_each(|pits| summary::pits(pits, "smooth surface", console));
     staged.commit()?;
+    if let Some(written) = &map_tiles {
+        tiles::describe(&args.output, written, unit.symbol(), console);
+    }
     for (k, layer) in layers.iter().enumerate() {
-        describe(written.get(k).or(written.first()), layer, &back, console);
+        if map_tiles.is_none() {
+            describe(written.get(k).or(written.first()), layer, &back, console);
+        }
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
@@ -169,7 +187,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     }
     diagnostics.map(|file| file.commit(console)).transpose()?;
     if let (Some(output), Some(map)) = (dem_output, &map) {
-        output.commit(&map.dem, console)?;
+        output.commit(map, console)?;
     }
     job.commit_picture()?;
     let outside = terrain.findings_outside;
@@ -218,15 +236,13 @@ impl Reference {
 impl DensifyArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, flags: &Flags) -> Result<(), Failure> {
-        if self.dem.is_none() && flags.first(&ABOUT_HEIGHT_MAP).is_some() {
-            return Err(Failure::Usage(
-                "--cell, --cell-degrees, --like, --png-encoding and --cog need --dem FILE".into(),
-            ));
+        let about = ABOUT_HEIGHT_MAP.iter().chain(&ABOUT_TILES);
+        if let Some(flag) = flags.first(about).filter(|_| self.dem.is_none()) {
+            return Err(Failure::Usage(format!("{flag} needs --dem FILE")));
         }
         if let Some(bad) = self.simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
-        output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.levels.check(&self.output)?;
         self.surface.check(flags)
     }

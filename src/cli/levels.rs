@@ -13,6 +13,7 @@ use tokosen::slice::Label;
 use super::failure::Failure;
 use super::labels::LabelArgs;
 use super::plane::ToCrsArgs;
+use super::tiles::{self, ZoomArgs};
 use super::unit::ToUnitArgs;
 
 /// Which contours to write, in which coordinates and unit.
@@ -20,7 +21,7 @@ use super::unit::ToUnitArgs;
 #[command(next_help_heading = "Output")]
 pub struct LevelsArgs {
     /// Interval of the contours [metres, or the unit of --to-unit], or several: 5,2,1
-    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present = "levels")]
+    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present_any = ["levels", "zooms"])]
     interval: Vec<f64>,
     /// Elevations of the contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
     #[arg(
@@ -37,6 +38,8 @@ pub struct LevelsArgs {
     /// Every Nth level is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, hide_short_help = true)]
     pub index: u32,
+    #[command(flatten)]
+    pub zooms: ZoomArgs,
     #[command(flatten)]
     pub labels: LabelArgs,
     #[command(flatten)]
@@ -57,12 +60,15 @@ impl LevelsArgs {
         if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
             return Err(Failure::Usage(format!("--interval is {bad}, it must be more than 0")));
         }
-        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
+        // Tiles need the lines of the smallest interval.
+        let smallest = || self.zooms.zooms.iter().map(|(_, step)| *step).min_by(f64::total_cmp);
+        let intervals = if self.interval.is_empty() { smallest().into_iter().collect() } else { self.interval.clone() };
+        Ok(intervals.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
     }
 
-    /// Checks the labels. `output` is the file of the contours.
+    /// Checks the file of the contours, and the options that depend on its kind.
     pub fn check(&self, output: &Path) -> Result<(), Failure> {
-        self.labels.check(output, self.index)
+        tiles::check(output, self)
     }
 
     /// The names of all layers: of the contours, each followed by that of its labels if there are any.

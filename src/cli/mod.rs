@@ -42,6 +42,8 @@ mod source;
 mod suggest;
 mod summary;
 mod surface;
+mod terrain_tiles;
+mod tiles;
 mod unit;
 
 use std::ffi::OsString;

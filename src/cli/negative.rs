@@ -121,6 +121,8 @@ mod tests {
         ("--smooth", "-1", Taken),
         ("--sigma", "-1", Taken),
         ("--threads", "-1", Refused),
+        ("--zooms", "-1:5", Refused),
+        ("--max-zoom", "-1", Refused),
     ];
 
     fn words(verb: &str, given: &[&str]) -> Vec<OsString> {
@@ -177,7 +179,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 136;
+    const CASES: usize = 140;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

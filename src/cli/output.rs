@@ -10,6 +10,7 @@ use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, reading, write_raster,
     write_rows, write_shade, write_with_errors,
 };
+use tokosen::io::tiles::{TerrainTiles, WrittenTerrain, write_terrain_tiles};
 use tokosen::io::{StagedOutput, VectorFormat};
 use tokosen::raster::{Dem, RasterRows};
 use tokosen::surface::Uncertainty;
@@ -18,6 +19,7 @@ use tokosen::{GridSpec, Terrain};
 
 use super::console::Console;
 use super::failure::Failure;
+use super::terrain_tiles::{self, TerrainTileArgs};
 use super::unit::of_drawing;
 
 /// The flags that ask for a grid.
@@ -53,7 +55,7 @@ pub struct GridArgs {
 pub struct HeightMapArgs {
     #[command(flatten)]
     pub grid: GridArgs,
-    /// How heights are stored in a .png
+    /// How heights are stored in a .png; in terrain tiles: terrarium, mapbox or gsi, and terrarium by default
     #[arg(long, value_enum, default_value_t = PngArg::Gray16, hide_short_help = true)]
     pub png_encoding: PngArg,
     #[command(flatten)]
@@ -63,6 +65,8 @@ pub struct HeightMapArgs {
     /// err_v, err_h and inferred
     #[arg(long)]
     pub uncertainty: bool,
+    #[command(flatten)]
+    pub tiles: TerrainTileArgs,
 }
 
 /// The layout of GeoTIFFs.
@@ -161,13 +165,17 @@ impl HeightMapArgs {
 
     /// How to write the height map, with heights in `unit`.
     fn raster(&self, unit: ElevationUnit) -> RasterParams {
-        let png = match self.png_encoding {
+        RasterParams { png: self.png(), tiff: self.cog.layout(), unit, ..RasterParams::default() }
+    }
+
+    /// How a PNG stores heights.
+    pub fn png(&self) -> PngEncoding {
+        match self.png_encoding {
             PngArg::Gray16 => PngEncoding::Gray16,
             PngArg::Gsi => PngEncoding::Gsi,
             PngArg::Terrarium => PngEncoding::Terrarium,
             PngArg::Mapbox => PngEncoding::Mapbox,
-        };
-        RasterParams { png, tiff: self.cog.layout(), unit, ..RasterParams::default() }
+        }
     }
 }
 
@@ -175,7 +183,21 @@ impl HeightMapArgs {
 pub struct DemOutput {
     staged: StagedOutput,
     pub grid: GridSpec,
-    raster: RasterParams,
+    format: DemFormat,
+}
+
+/// How a height map is stored.
+enum DemFormat {
+    Raster(RasterParams),
+    /// Tiles, with the path that was given.
+    Tiles(TerrainTiles, PathBuf),
+}
+
+/// A height map that is written, still under its temporary name.
+pub struct WrittenDem {
+    pub map: HeightMap,
+    /// What is in the tiles, if they are some.
+    tiles: Option<WrittenTerrain>,
 }
 
 /// Refuses a file whose extension is not that of a vector format; `kinds` names those that are.
@@ -213,7 +235,15 @@ impl DemOutput {
     /// Opens the file, whose heights will be in `unit`, and reads the raster whose cells are asked for. `crs` is the
     /// system that the cells are to be in, if it is named.
     pub fn open(path: &Path, wanted: &HeightMapArgs, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Self, Failure> {
-        wanted.grid.check(crs)?;
+        wanted.check(path, crs, unit)?;
+        if let Some(tiles) = wanted.tiles(path, crs, unit)? {
+            let staged = super::tiles::open(path)?;
+            return Ok(Self {
+                staged,
+                grid: terrain_tiles::grid(&tiles),
+                format: DemFormat::Tiles(tiles, path.to_owned()),
+            });
+        }
         let is_colour = wanted.png_encoding != PngArg::Gray16;
         if is_colour && extension(path) != "png" {
             let message = format!("{}: --png-encoding applies to height maps in .png", path.display());
@@ -228,26 +258,41 @@ impl DemOutput {
             check_extension(path, "heights with --uncertainty", &TWO_BAND_EXTENSIONS)?;
         }
         let staged = open_raster(path)?;
-        Ok(Self { staged, grid: wanted.grid.spec(crs)?, raster: wanted.raster(unit) })
+        Ok(Self { staged, grid: wanted.grid.spec(crs)?, format: DemFormat::Raster(wanted.raster(unit)) })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name. The findings are about the base.
-    pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Report<HeightMap>, Failure> {
-        let map = terrain.height_map(&self.grid, console)?;
-        let HeightMap { dem, errors, .. } = &map.value;
-        let written = console.step("writing", || match errors {
-            Some(errors) => write_with_errors(&self.staged.path(), dem, errors, &self.raster),
-            None => write_raster(&self.staged.path(), dem, &self.raster),
-        });
+    pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Report<WrittenDem>, Failure> {
+        let Report { value: map, findings } = terrain.height_map(&self.grid, console)?;
+        let HeightMap { dem, errors, .. } = &map;
+        let mut tiles = None;
+        let written = match &self.format {
+            DemFormat::Tiles(params, path) => {
+                write_terrain_tiles(&self.staged, path, dem, params, console).map(|written| {
+                    tiles = Some(written);
+                })
+            }
+            DemFormat::Raster(params) => console.step("writing", || match errors {
+                Some(errors) => write_with_errors(&self.staged.path(), dem, errors, params),
+                None => write_raster(&self.staged.path(), dem, params),
+            }),
+        };
         written.map_err(|e| self.staged.with_final_name(e))?;
-        Ok(map)
+        Ok(Report { value: WrittenDem { map, tiles }, findings })
     }
 
     /// Puts the file in its place, and prints what is in it.
-    pub fn commit(self, dem: &Dem, console: &Console) -> Result<(), Failure> {
+    pub fn commit(self, written: &WrittenDem, console: &Console) -> Result<(), Failure> {
         let path = self.staged.commit()?;
-        describe(&path, dem, self.raster.unit, console);
-        reading(&path, dem, &self.raster).iter().for_each(|line| console.say(&format!("           {line}")));
+        let dem = &written.map.dem;
+        match (&self.format, &written.tiles) {
+            (DemFormat::Tiles(params, path), Some(tiles)) => terrain_tiles::describe(path, params, tiles, console),
+            (DemFormat::Raster(params), _) => {
+                describe(&path, dem, params.unit, console);
+                reading(&path, dem, params).iter().for_each(|line| console.say(&format!("           {line}")));
+            }
+            (DemFormat::Tiles(..), None) => {}
+        }
         Ok(())
     }
 }

@@ -30,6 +30,7 @@ pub mod streams;
 pub mod subdivision;
 pub mod subdomains;
 pub mod surface;
+pub mod tiles;
 pub mod tin;
 pub mod tuning;
 pub mod validate;

@@ -42,6 +42,7 @@ mod staged;
 mod table;
 mod text;
 mod text_points;
+pub mod tiles;
 mod unit_words;
 mod vector_source;
 mod water;

@@ -11,6 +11,7 @@ use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 use super::ordinary::open_to_read;
+use super::tiles;
 
 /// The name of the program in files.
 pub(super) const PROGRAM: &str = "tokosen";
@@ -37,6 +38,9 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
 
 /// Whether this program made the file, or the file is empty. A file that cannot be read was made by another program.
 pub(super) fn is_own(path: &Path) -> bool {
+    if path.is_dir() {
+        return tiles::is_own_folder(path);
+    }
     let Ok(file) = open_to_read(path) else { return false };
     if file.metadata().is_ok_and(|meta| meta.len() == 0) {
         return true;
@@ -44,6 +48,11 @@ pub(super) fn is_own(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     if matches!(extension.as_str(), "tif" | "tiff") {
         return software(file).is_some_and(|software| software == PROGRAM);
+    }
+    match extension.as_str() {
+        "pmtiles" => return tiles::is_own_pmtiles(file),
+        "mbtiles" => return tiles::is_own_mbtiles(path),
+        _ => {}
     }
     let mut head = Vec::new();
     if file.take(HEAD).read_to_end(&mut head).is_err() {

@@ -56,6 +56,17 @@ pub(super) fn check_replaceable(path: &Path) -> Result<()> {
     }
 }
 
+/// Refuses to replace what is no folder by one.
+///
+/// # Errors
+/// [`Error::File`] names the path.
+pub(super) fn check_folder(path: &Path) -> Result<()> {
+    if fs::symlink_metadata(path).is_ok_and(|meta| !meta.is_dir()) {
+        return Err(Error::file(path, "is not a folder; name another one for the tiles"));
+    }
+    Ok(())
+}
+
 /// Refuses a folder, a device, a named pipe and a socket. A link counts as what it leads to.
 pub(super) fn check_ordinary(path: &Path) -> Result<()> {
     let meta = fs::metadata(path).map_err(|e| Error::io("read", path, e))?;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::companions::read_beside;
 use super::format::VectorFormat;
-use super::ordinary::check_replaceable;
+use super::ordinary::{check_folder, check_replaceable};
+use super::tiles::TileFormat;
 use super::{gpkg, maker};
 use tokosen_core::base::error::{Error, Result};
 
@@ -38,6 +39,8 @@ pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: b
     let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
     let mut taken = Vec::new();
     for PlannedOutput { path, layers } in outputs {
+        let is_folder = TileFormat::folder(path).is_some();
+        let path: &Path = &TileFormat::target(path);
         let file = identity(path);
         let is_input = inputs.contains(&file);
         let is_database = matches!(VectorFormat::from_path(path), Ok(VectorFormat::GeoPackage));
@@ -50,7 +53,7 @@ pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: b
         if taken.contains(&file) {
             return Err(Error::Parameter(format!("{} is the name of two outputs", path.display())));
         }
-        parts(path).try_for_each(|part| check_replaceable(&part))?;
+        parts(path).try_for_each(|part| if is_folder { check_folder(&part) } else { check_replaceable(&part) })?;
         if is_database {
             gpkg::check_layers(path, layers, overwrite, is_input)?;
         } else if !overwrite && let Some(path) = parts(path).find(|path| path.exists() && !maker::is_own(path)) {

@@ -20,7 +20,7 @@ use super::abandoned::{LOCK, PREFIX, lock, remove_abandoned};
 use super::companions::{foreign_prj, stale};
 use super::format::VectorFormat;
 use super::gpkg;
-use super::ordinary::check_replaceable;
+use super::ordinary::{check_folder, check_replaceable};
 use tokosen_core::base::error::{Error, Result};
 
 /// The hidden folders of all unfinished outputs. The list is global because a signal is for the whole process. While
@@ -29,6 +29,9 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// How often the removal of a folder is tried, because another thread may still write to it.
 const TRIES: usize = 20;
+
+/// The name of a folder that is replaced, until it is removed.
+const FORMER: &str = ".former";
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
@@ -76,6 +79,20 @@ impl StagedOutput {
             target.to_owned()
         };
         check_replaceable(&target)?;
+        Self::beside(target)
+    }
+
+    /// Creates the hidden folder beside `target`, which will be a folder. If it exists, [`StagedOutput::commit`] replaces it as
+    /// a whole.
+    ///
+    /// # Errors
+    /// `target` is a file, or its own folder is missing or cannot be written to.
+    pub fn create_folder(target: &Path) -> Result<Self> {
+        check_folder(target)?;
+        Self::beside(target.to_owned())
+    }
+
+    fn beside(target: PathBuf) -> Result<Self> {
         let folder = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
@@ -96,6 +113,11 @@ impl StagedOutput {
     /// The final path of the main file.
     pub fn target(&self) -> &Path {
         &self.target
+    }
+
+    /// The folder in which files appear under their final names. Temporary files may be made there.
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// The path at which to write the main file.
@@ -135,7 +157,8 @@ impl StagedOutput {
         // The lock makes a signal wait: either all files get their names, or none.
         let _unfinished = unfinished();
         let names = self.staged_names()?;
-        for name in &names {
+        // A folder is moved as a whole. It may have a million files.
+        for name in names.iter().filter(|name| !self.sibling(name).is_dir()) {
             let path = self.sibling(name);
             File::open(&path)
                 .and_then(|file| file.sync_all())
@@ -188,6 +211,10 @@ impl StagedOutput {
                 }
                 Err(_) => {}
             }
+        }
+        if staged.is_dir() && goal.is_dir() {
+            // A folder replaces another one only if that is empty. The former one goes with the hidden folder.
+            fs::rename(&goal, self.sibling(FORMER)).map_err(|e| Error::io("replace", &goal, e))?;
         }
         fs::rename(&staged, &goal).map_err(|e| Error::io("replace", &goal, e))
     }

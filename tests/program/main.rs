@@ -36,6 +36,7 @@ mod running;
 mod saved_runs;
 mod several_files;
 mod streams;
+mod tiles;
 mod units;
 mod verbs;
 mod when_a_map_looks_wrong;

@@ -46,7 +46,7 @@ const NUMBERS: u32 = 1 << 24;
 
 /// How heights become colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ColourCode {
+pub(crate) enum ColourCode {
     Gsi,
     Terrarium,
     Mapbox,
@@ -59,7 +59,7 @@ impl ColourCode {
     }
 
     /// Its name in files.
-    fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Gsi => "gsi",
             Self::Terrarium => "terrarium",
@@ -101,7 +101,7 @@ impl ColourCode {
     }
 
     /// The colour whose height is nearest; `None` if the height is beyond those of all colours.
-    fn colour(self, height: f64) -> Option<[u8; 3]> {
+    pub fn colour(self, height: f64) -> Option<[u8; 3]> {
         let (per_metre, zero) = self.scale();
         let steps = ((height - zero) * per_metre).round();
         let limit = f64::from(NO_DATA);

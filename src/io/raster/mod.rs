@@ -43,7 +43,7 @@ mod zstd;
 use std::borrow::Cow;
 use std::path::Path;
 
-use elevation_tile::ColourCode;
+pub(crate) use elevation_tile::ColourCode;
 use output::{check, check_grid};
 use quantity::Values;
 use tokosen_core::base::error::{Error, Result};
@@ -70,6 +70,18 @@ pub enum PngEncoding {
     Terrarium,
     /// The colours of Mapbox Terrain-RGB tiles, with steps of 0.1 metres, for heights from -10000 metres.
     Mapbox,
+}
+
+impl PngEncoding {
+    /// The colours of heights; none for grey.
+    pub(crate) fn colours(self) -> Option<ColourCode> {
+        match self {
+            Self::Gray16 => None,
+            Self::Gsi => Some(ColourCode::Gsi),
+            Self::Terrarium => Some(ColourCode::Terrarium),
+            Self::Mapbox => Some(ColourCode::Mapbox),
+        }
+    }
 }
 
 /// How a GeoTIFF is laid out.

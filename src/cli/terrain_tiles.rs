@@ -1,0 +1,138 @@
+//! Height maps as map tiles on the command line: `-o FILE.pmtiles --max-zoom Z`.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use tokosen::GridSpec;
+use tokosen::base::ElevationUnit;
+use tokosen::crs::Crs;
+use tokosen::io::raster::PngEncoding;
+use tokosen::io::tiles::{TerrainTiles, TileFormat, TileImage, WrittenTerrain, pixel_size};
+use tokosen::tiles::WEB_MERCATOR;
+
+use super::console::Console;
+use super::failure::Failure;
+use super::output::HeightMapArgs;
+use super::tiles::size;
+
+/// The flags about terrain tiles.
+pub const ABOUT_TILES: [&str; 3] = ["--max-zoom", "--tile-size", "--tile-image"];
+
+#[derive(Debug, Clone, Args)]
+pub struct TerrainTileArgs {
+    /// Highest zoom of terrain tiles. Their pixels are the cells: with 512 pixels, those of zoom 12 are 19 m wide at the
+    /// equator and 14 m at 45 degrees, and each further zoom halves them
+    #[arg(
+        long,
+        value_name = "Z",
+        value_parser = clap::value_parser!(u8).range(0..=20),
+        conflicts_with_all = ["cell", "cell_degrees", "like"],
+        hide_short_help = true
+    )]
+    pub max_zoom: Option<u8>,
+    /// Pixels of a terrain tile's side
+    #[arg(long, value_enum, default_value_t = SideArg::Large, hide_short_help = true)]
+    pub tile_size: SideArg,
+    /// How terrain tiles are stored in a .pmtiles or .mbtiles; both lose nothing
+    #[arg(long, value_enum, default_value_t = ImageArg::Png, hide_short_help = true)]
+    pub tile_image: ImageArg,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SideArg {
+    /// 256 pixels
+    #[value(name = "256")]
+    Small,
+    /// 512 pixels
+    #[value(name = "512")]
+    Large,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ImageArg {
+    /// PNG, which all libraries read
+    Png,
+    /// WebP without losses, which is smaller
+    Webp,
+}
+
+impl HeightMapArgs {
+    /// The tiles that a path asks for; none if it is another file. `crs` is the system that the cells are to be in, if it is
+    /// named.
+    pub fn tiles(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Option<TerrainTiles>, Failure> {
+        let usage = |message: &str| Err(Failure::Usage(format!("{}: {message}", path.display())));
+        if TileFormat::of(path).is_none() {
+            return match self.tiles.max_zoom {
+                Some(_) => usage("--max-zoom applies to terrain tiles: .pmtiles, .mbtiles or FOLDER/{z}/{x}/{y}.png"),
+                None => Ok(None),
+            };
+        }
+        let Some(zoom) = self.tiles.max_zoom else {
+            return usage(
+                "terrain tiles need their highest zoom, which is also the size of their cells: --max-zoom 13",
+            );
+        };
+        if crs.is_some_and(|crs| crs.epsg != Some(WEB_MERCATOR)) {
+            return usage("terrain tiles are in Web Mercator (EPSG:3857), so --to-crs cannot be another one");
+        }
+        if unit.is_foot() {
+            return usage("terrain tiles hold metres only, so --to-unit cannot be feet");
+        }
+        if self.uncertainty {
+            return usage("terrain tiles hold heights only, so --uncertainty does not apply");
+        }
+        let image = match (TileFormat::folder(path).map(|(_, extension)| extension), self.tiles.tile_image) {
+            (Some("png"), _) | (None, ImageArg::Png) => TileImage::Png,
+            (Some("webp"), _) | (None, ImageArg::Webp) => TileImage::Webp,
+            (Some(_), _) => return usage("terrain tiles in a folder are .png or .webp"),
+        };
+        let side = match self.tiles.tile_size {
+            SideArg::Small => 256,
+            SideArg::Large => 512,
+        };
+        // Grey is the encoding of other files.
+        let encoding = match self.png() {
+            PngEncoding::Gray16 => PngEncoding::Terrarium,
+            colours => colours,
+        };
+        Ok(Some(TerrainTiles { zoom, side, encoding, image }))
+    }
+
+    /// Checks what can be checked before anything is read.
+    pub fn check(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<(), Failure> {
+        match self.tiles(path, crs, unit)? {
+            Some(_) => Ok(()),
+            None => self.grid.check(crs),
+        }
+    }
+}
+
+/// The cells that are the pixels of tiles.
+pub fn grid(tiles: &TerrainTiles) -> GridSpec {
+    GridSpec::CellIn { size: pixel_size(tiles.zoom, tiles.side), crs: Crs::from_epsg(WEB_MERCATOR) }
+}
+
+/// Prints what is in the tiles.
+pub fn describe(path: &Path, tiles: &TerrainTiles, written: &WrittenTerrain, console: &Console) {
+    let (count, bytes) = written.zooms.iter().fold((0, 0), |(n, b), zoom| (n + zoom.tiles, b + zoom.bytes));
+    let lowest = written.zooms.first().map_or(tiles.zoom, |zoom| zoom.zoom);
+    let name = match tiles.encoding {
+        PngEncoding::Mapbox => "mapbox, steps of 0.1 m",
+        PngEncoding::Gsi => "gsi, steps of 0.01 m",
+        PngEncoding::Terrarium | PngEncoding::Gray16 => "terrarium, steps of 1/256 m",
+    };
+    console.say(&format!(
+        "written    {} (zooms {lowest} to {}, {count} tiles of {} pixels with {}, {name})",
+        TileFormat::target(path).display(),
+        tiles.zoom,
+        tiles.side,
+        size(bytes)
+    ));
+    if written.filled > 0 {
+        console.say(&format!(
+            "           {} pixels of zoom {} beyond the height map have heights continued from it, because map libraries \
+             show no data as a hole; tiles without any height are left out",
+            written.filled, tiles.zoom
+        ));
+    }
+}

@@ -1,0 +1,146 @@
+//! Contours as map tiles on the command line: `-o FILE.pmtiles`, `--zooms`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::base::error::Error;
+use tokosen::contour::{ContourLayer, Target};
+use tokosen::crs::{Crs, Reprojection};
+use tokosen::io::tiles::{ContourTiles, TileFormat, WrittenTiles, ZoomSummary, write_contour_tiles};
+use tokosen::io::{StagedOutput, VectorFormat, contour_files};
+use tokosen::tiles::{EXTENT, WEB_MERCATOR};
+
+use super::console::Console;
+use super::failure::Failure;
+use super::levels::LevelsArgs;
+
+/// The kinds of files for contours, for messages.
+const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
+                     FOLDER/{z}/{x}/{y}.pbf";
+
+#[derive(Debug, Clone, Args)]
+pub struct ZoomArgs {
+    /// Intervals of map tiles by zoom, each until the next; the last one is the highest zoom: 10:100,12:20,14:5 [metres, or
+    /// the unit of --to-unit; default: those whose lines are two pixels apart on a slope of 45 degrees]
+    #[arg(
+        long,
+        value_name = "ZOOM:STEP",
+        value_delimiter = ',',
+        value_parser = zoom,
+        conflicts_with = "levels",
+        hide_short_help = true
+    )]
+    pub zooms: Vec<(u8, f64)>,
+}
+
+/// A zoom and its interval.
+fn zoom(text: &str) -> Result<(u8, f64), String> {
+    let wrong = || format!("{text:?} is not a zoom and an interval, such as 12:20");
+    let (zoom, interval) = text.split_once(':').ok_or_else(wrong)?;
+    let interval: f64 = interval.parse().map_err(|_| wrong())?;
+    let zoom = zoom.parse().map_err(|_| wrong())?;
+    if interval.is_finite() && interval > 0.0 { Ok((zoom, interval)) } else { Err(wrong()) }
+}
+
+/// Refuses a file that contours are not written to, and options that do not apply to it.
+pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
+    let usage = |message: String| Err(Failure::Usage(message));
+    let Some(format) = TileFormat::of(output) else {
+        if VectorFormat::from_path(output).is_err() {
+            return usage(format!("{}: {KINDS}", output.display()));
+        }
+        if !levels.zooms.zooms.is_empty() {
+            return usage("--zooms applies to map tiles: .pmtiles, .mbtiles or FOLDER/{z}/{x}/{y}.pbf".into());
+        }
+        return levels.labels.check(output, levels.index);
+    };
+    let extension = TileFormat::folder(output).map_or("pbf", |(_, extension)| extension);
+    if format == TileFormat::Folder && !["pbf", "mvt"].contains(&extension) {
+        return usage(format!("{}: vector tiles in a folder are .pbf or .mvt", output.display()));
+    }
+    if levels.labels.labels.is_some() {
+        return usage("--labels: in map tiles, each line has its label as the attribute 'label'".into());
+    }
+    if levels.to_crs.to_crs.as_ref().is_some_and(|crs| crs.epsg != Some(WEB_MERCATOR)) {
+        return usage("--to-crs: map tiles are in Web Mercator (EPSG:3857)".into());
+    }
+    match levels.targets()?.as_slice() {
+        [_] => Ok(()),
+        _ => usage("map tiles have one interval for each zoom: give one --interval, and --zooms for the others".into()),
+    }
+}
+
+/// The files that are written for layers of these names.
+pub fn files(output: &Path, names: &[&str]) -> Result<Vec<PathBuf>, Error> {
+    match TileFormat::of(output) {
+        Some(_) => Ok(vec![output.to_owned()]),
+        None => contour_files(output, names),
+    }
+}
+
+/// Opens the output.
+pub fn open(output: &Path) -> Result<StagedOutput, Error> {
+    match TileFormat::of(output) {
+        Some(TileFormat::Folder) => StagedOutput::create_folder(&TileFormat::target(output)),
+        _ => StagedOutput::create(output),
+    }
+}
+
+/// Writes the tiles, still under their temporary name. None if the output is no set of tiles.
+pub fn write(
+    staged: &StagedOutput,
+    output: &Path,
+    levels: &LevelsArgs,
+    (target, layer): (&Target, &ContourLayer),
+    reprojection: &Reprojection,
+    console: &Console,
+) -> Result<Option<WrittenTiles>, Failure> {
+    if TileFormat::of(output).is_none() {
+        return Ok(None);
+    }
+    let back = reprojection.from_working(Some(&Crs::from_epsg(WEB_MERCATOR)))?.with_heights_in(levels.to_unit.unit());
+    let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.index);
+    let tiles = ContourTiles { layer, target, index_every, zooms, back: &back };
+    Ok(Some(write_contour_tiles(staged, output, &tiles, console)?))
+}
+
+/// Prints what is in the tiles.
+pub fn describe(output: &Path, written: &WrittenTiles, unit: &str, console: &Console) {
+    let (tiles, bytes) = written.zooms.iter().fold((0, 0), |(n, b), zoom| (n + zoom.tiles, b + zoom.bytes));
+    let ends = [written.zooms.first(), written.zooms.last()].map(|zoom| zoom.map_or(0, |zoom| zoom.zoom));
+    console.say(&format!(
+        "written    {} (zooms {} to {}, {tiles} tiles with {})",
+        TileFormat::target(output).display(),
+        ends[0],
+        ends[1],
+        size(bytes)
+    ));
+    for zoom in &written.zooms {
+        console.say(&format!("           {}", line(zoom, unit)));
+    }
+    let gaps: usize = written.zooms.iter().map(|zoom| zoom.gaps).sum();
+    if gaps > 0 {
+        console.warn(&format!(
+            "warning: lines have {gaps} gaps in the tiles, where they lie closer to another level than the finest grid shows"
+        ));
+    }
+}
+
+/// What a zoom shows, in words.
+fn line(zoom: &ZoomSummary, unit: &str) -> String {
+    let what = zoom.interval.map_or_else(|| "all levels".to_owned(), |interval| format!("every {interval} {unit}"));
+    let mut text =
+        format!("zoom {}: {what}, {} tiles, the largest {}", zoom.zoom, zoom.tiles, size(zoom.largest as u64));
+    if zoom.extent > EXTENT {
+        text += &format!(", a grid of {} steps keeps close lines apart", zoom.extent);
+    }
+    if zoom.too_small > 0 {
+        text += &format!("; {} rings and short lines too small to be seen are left out", zoom.too_small);
+    }
+    text
+}
+
+/// A number of bytes in words.
+pub fn size(bytes: u64) -> String {
+    if bytes < 1_000_000 { format!("{:.1} kB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
+}
