@@ -336,3 +336,20 @@ fn about(path: &Path, tiles: &ContourTiles<'_>, zooms: &[ZoomInterval], bounds: 
         more,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tile_that_is_too_large_says_what_to_do() {
+        let tile = TilePlace { zoom: 9, x: 136, y: 200 };
+        let said = |interval| {
+            too_large(Path::new("a.pmtiles"), tile, "700 kB, more than 500 kB", interval, ElevationUnit::Metre)
+                .to_string()
+        };
+        assert!(said(Some(0.5)).contains("9/136/200 would have 700 kB"), "{}", said(Some(0.5)));
+        assert!(said(Some(0.5)).ends_with("--zooms 9:2.5,11:0.5"), "{}", said(Some(0.5)));
+        assert!(said(None).ends_with("write fewer levels"), "{}", said(None));
+    }
+}
