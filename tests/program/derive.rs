@@ -4,7 +4,6 @@
 
 use std::fs;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use glam::DVec2;
 use tokosen::base::Grid;
 use tokosen::crs::Crs;
@@ -12,6 +11,7 @@ use tokosen::io::raster::{read_dem, write_dem};
 use tokosen::raster::Dem;
 
 use crate::common;
+use crate::running::Running;
 
 /// These tests.
 struct Here;
@@ -19,21 +19,6 @@ struct Here;
 type Folder = common::Folder<Here>;
 
 impl Folder {
-    /// Runs the program; gives its exit status and all it says.
-    fn run(&self, arguments: &str) -> (Option<i32>, String) {
-        let mut command = cargo_bin_cmd!("tokosen");
-        let output = command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap();
-        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
-        assert!(!text.contains("panicked"), "{arguments}: {text}");
-        (output.status.code(), text)
-    }
-
-    fn succeeds(&self, arguments: &str) -> String {
-        let (status, text) = self.run(arguments);
-        assert_eq!(status, Some(0), "{arguments}: {text}");
-        text
-    }
-
     /// Contours of a plane that rises to the east, `c.geojson`.
     fn write_contours(&self) {
         let line = |z: i32| {
@@ -91,8 +76,7 @@ fn contours_are_derived_from_with_their_caution() {
     let inside = slope.values.iter().filter(|v| v.is_finite());
     assert!(inside.clone().count() > 1000);
     assert!(inside.clone().all(|v| (v - 0.1_f32.atan().to_degrees()).abs() < 0.2), "{:?}", inside.collect::<Vec<_>>());
-    let (status, said) = folder.run("derive c.geojson --slope t.tif");
-    assert_eq!(status, Some(2));
+    let said = folder.ends("derive c.geojson --slope t.tif", 2);
     assert!(said.contains("needs --cell SIZE"), "{said}");
 }
 
@@ -223,8 +207,7 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive none.tif --slope a.tif", 1, "cannot read none.tif"),
         ("derive degrees.tif --slope a.tif", 1, "look like degrees"),
     ] {
-        let (code, text) = folder.run(arguments);
-        assert_eq!(code, Some(status), "{arguments}: {text}");
+        let text = folder.ends(arguments, status);
         assert!(text.contains(words), "{arguments}: {text}");
     }
     assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2);

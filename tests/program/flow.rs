@@ -5,7 +5,6 @@
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use glam::DVec2;
 use serde_json::Value;
 use tokosen::base::Grid;
@@ -14,6 +13,7 @@ use tokosen::io::raster::{read_dem, write_dem};
 use tokosen::raster::Dem;
 
 use crate::common;
+use crate::running::Running;
 
 /// These tests.
 struct Here;
@@ -33,21 +33,6 @@ impl Folder {
         let folder = Self::new();
         write_dem(&folder.path("dem.tif"), &valley()).unwrap();
         folder
-    }
-
-    /// Runs the program; gives its exit status and all it says.
-    fn run(&self, arguments: &str) -> (Option<i32>, String) {
-        let mut command = cargo_bin_cmd!("tokosen");
-        let output = command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap();
-        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
-        assert!(!text.contains("panicked"), "{arguments}: {text}");
-        (output.status.code(), text)
-    }
-
-    fn succeeds(&self, arguments: &str) -> String {
-        let (status, text) = self.run(arguments);
-        assert_eq!(status, Some(0), "{arguments}: {text}");
-        text
     }
 
     fn features(&self, name: &str) -> Vec<Value> {
@@ -108,8 +93,7 @@ fn outlets_of_a_file_are_converted_and_those_outside_are_findings() {
     let of = |number_: f64| features.iter().find(|f| number(f, "catchment") == number_).unwrap();
     assert_eq!(number(of(1.0), "area_m2") + number(of(2.0), "area_m2"), number(of(1.0), "above_m2"));
     assert_eq!(number(of(2.0), "area_m2"), number(of(2.0), "above_m2"));
-    let (status, text) = folder.run("derive dem.tif --outlet 7155,5205 --catchments d.geojson");
-    assert_eq!(status, Some(1));
+    let text = folder.ends("derive dem.tif --outlet 7155,5205 --catchments d.geojson", 1);
     assert!(text.contains("no outlet lies on the height map") && text.contains("7155.0 5205.0"), "{text}");
     assert!(!folder.path("d.geojson").exists());
     // Points in degrees lie at the same place.
@@ -175,8 +159,7 @@ fn floods_come_from_the_edge_from_places_or_along_streams() {
     assert_eq!(lake.len(), 1);
     assert!(number(&lake[0], "volume_m3") > 0.0 && (number(&lake[0], "depth_max") - 2.9).abs() < 1e-3);
     for (place, words) in [("5305,7300", "not below the level"), ("1,1", "outside the height map")] {
-        let (status, text) = folder.run(&format!("derive dem.tif --flood x.tif --flood-level 55 --flood-from {place}"));
-        assert_eq!(status, Some(1));
+        let text = folder.ends(&format!("derive dem.tif --flood x.tif --flood-level 55 --flood-from {place}"), 1);
         assert!(text.contains(words), "{text}");
     }
     let folder = Folder::with_valley();
@@ -205,11 +188,10 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive dem.tif --slope a.tif --accumulation-unit m2", "--flow-accumulation <FILE>"),
         ("derive dem.tif --flood a.gpkg --flood-level 5 --catchments a.gpkg", "the name of two outputs"),
     ] {
-        let (status, text) = folder.run(arguments);
-        assert_eq!(status, Some(2), "{arguments}: {text}");
+        let text = folder.ends(arguments, 2);
         assert!(text.contains(words), "{arguments}: {text}");
     }
-    let (status, text) = folder.run("derive dem.tif --outlet none.gpkg --catchments a.gpkg");
-    assert!(status == Some(1) && text.contains("none.gpkg"), "{text}");
+    let text = folder.ends("derive dem.tif --outlet none.gpkg --catchments a.gpkg", 1);
+    assert!(text.contains("none.gpkg"), "{text}");
     assert!(Path::new(&folder.path("dem.tif")).exists() && fs::read_dir(folder.0.path()).unwrap().count() == 1);
 }

@@ -168,7 +168,7 @@ fn sizes_in_the_wrong_unit_and_systems_that_do_not_serve() {
         ("dem in.gpkg --to-crs EPSG:3857 --like r.tif -o d.tif", "cannot be used with"),
         ("dem in.gpkg --to-crs EPSG:1 --cell 5 -o d.tif", "--to-crs"),
         ("dem in.gpkg --cell 5 --cog -o d.png", "--cog applies to .tif"),
-        ("densify in.gpkg -i 5 -o o.gpkg --cog", "need --dem FILE"),
+        ("densify in.gpkg -i 5 -o o.gpkg --cog", "needs --dem FILE"),
         ("dem in.gpkg --to-crs EPSG:3857 --cell 1e-4 -o d.tif", "--cell 0.0001 gives"),
         ("dem in.gpkg --to-crs EPSG:4326 --cell-degrees 1e-9 -o d.tif", "--cell-degrees 0.000000001 gives"),
         ("dem in.gpkg --to-crs EPSG:3857 --cell 1e6 -o d.tif", "--cell 1000000 is too large"),

@@ -144,7 +144,7 @@ fn wrong_usage_is_refused_before_the_work() {
     ] {
         assert!(folder.ends(line, USAGE).contains(expected), "{line}");
     }
-    assert!(folder.ends("densify in.gpkg -i 5 --zooms 12:7,14:5 -o a.pmtiles", FAILED).contains("whole multiple"));
+    assert!(folder.ends("densify in.gpkg -i 5 --zooms 12:7,14:5 -o a.pmtiles", USAGE).contains("whole multiple"));
     assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 1, "nothing was left behind");
 }
 

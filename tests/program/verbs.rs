@@ -330,7 +330,7 @@ fn numbers_out_of_range() {
             "densify hill.geojson -i 5 -o out.gpkg --dem d.tif",
             "needs --cell SIZE, --cell-degrees SIZE or --like RASTER",
         ),
-        ("densify hill.geojson -i 5 -o out.gpkg --cell 5", "need --dem FILE"),
+        ("densify hill.geojson -i 5 -o out.gpkg --cell 5", "needs --dem FILE"),
         ("dem hill.geojson -o d.tif", "needs --cell SIZE, --cell-degrees SIZE or --like RASTER"),
         ("dem hill.geojson --cell 0 -o d.tif", "--cell is 0, it must be more than 0"),
         ("dem hill.geojson --cell -5 -o d.tif", "--cell is -5, it must be more than 0"),
