@@ -31,10 +31,10 @@ pub struct TerrainTileArgs {
     )]
     pub max_zoom: Option<u8>,
     /// Pixels of a terrain tile's side
-    #[arg(long, value_enum, default_value_t = SideArg::Large, hide_short_help = true)]
+    #[arg(long, value_enum, default_value_t = SideArg::Large, requires = "max_zoom", hide_short_help = true)]
     pub tile_size: SideArg,
     /// How terrain tiles are stored in a .pmtiles or .mbtiles; both lose nothing
-    #[arg(long, value_enum, default_value_t = ImageArg::Png, hide_short_help = true)]
+    #[arg(long, value_enum, default_value_t = ImageArg::Png, requires = "max_zoom", hide_short_help = true)]
     pub tile_image: ImageArg,
 }
 

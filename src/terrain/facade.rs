@@ -77,7 +77,7 @@ impl Terrain {
             let figures = step(progress, "the whole map", || Whole::of(&input.map, &params));
             params.whole = figures.map_err(|error| input.named_error(error))?;
             params.frame = part.frame(std::mem::take(&mut params.frame));
-            part.cut(&mut input.map);
+            input.cut_to(part)?;
         }
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
         let ground = || frame_ring(&input.map, &params.frame);

@@ -39,6 +39,9 @@ const REPAIRS: &[FindingKind] = &[
 /// Bytes of memory per vertex of contours until they are triangulated, as measured (560 on three maps with 60,000 to
 /// 1.06 million vertices).
 const BYTES_PER_VERTEX: f64 = 600.0;
+/// Bytes of memory per vertex of contours until they are clean, as measured (200 on a map of 1.33 million vertices). Of a part, only
+/// the lines around it are triangulated.
+const BYTES_PER_CLEAN_VERTEX: f64 = 220.0;
 
 /// How often a map is examined again after corrections, because one correction can reveal another fault.
 const ROUNDS: usize = 3;
@@ -90,10 +93,7 @@ impl Input {
     /// [`clean`](fn@clean). The findings up to then stay in the input.
     pub fn clean(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         params.check()?;
-        let vertices = self.map.vertex_count();
-        let remedy = "choose a part of the map, or close other programs";
-        let needed = BYTES_PER_VERTEX * vertices as f64;
-        memory::check(needed, self.memory, format!("a map of {vertices} vertices"), remedy)?;
+        self.check_memory(if self.part.is_some() { BYTES_PER_CLEAN_VERTEX } else { BYTES_PER_VERTEX })?;
         let cleaned = self.clean_lines(params, progress);
         self.state_unit();
         cleaned?;
@@ -105,6 +105,22 @@ impl Input {
         }
         self.explain_by_cliffs();
         Ok(())
+    }
+
+    /// Refuses a map whose vertices need more memory than there is.
+    fn check_memory(&self, per_vertex: f64) -> Result<()> {
+        let vertices = self.map.vertex_count();
+        let remedy = "choose a part of the map, or close other programs";
+        memory::check(per_vertex * vertices as f64, self.memory, format!("a map of {vertices} vertices"), remedy)
+    }
+
+    /// Leaves out what lies outside of the window around a part.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if the rest of the map is too large.
+    pub(super) fn cut_to(&mut self, part: &Part) -> Result<()> {
+        part.cut(&mut self.map);
+        self.check_memory(BYTES_PER_VERTEX)
     }
 
     /// Leaves out lines and spot heights whose elevation stands for no data, however far the lines are repaired: they have no
@@ -222,7 +238,7 @@ impl Input {
         let Some(area) = self.part.take() else { return Ok(None) };
         let part = Part::new(area, &self.map)?;
         self.frame = part.frame(std::mem::take(&mut self.frame));
-        part.cut(&mut self.map);
+        self.cut_to(&part)?;
         Ok(Some(part))
     }
 

@@ -141,10 +141,11 @@ fn wrong_usage_is_refused_before_the_work() {
         ("dem in.gpkg --max-zoom 12 -o a.tif", "--max-zoom applies to terrain tiles"),
         ("dem in.gpkg --max-zoom 12 --to-unit ft -o a.pmtiles", "metres only"),
         ("dem in.gpkg --max-zoom 12 -o a/{z}/{x}/{y}.jpg", ".png or .webp"),
+        ("dem in.gpkg --cell 10 --tile-image webp -o a.tif", "--max-zoom <Z>"),
+        ("densify in.gpkg -i 5 --zooms 12:7,14:5 -o a.pmtiles", "whole multiple"),
     ] {
         assert!(folder.ends(line, USAGE).contains(expected), "{line}");
     }
-    assert!(folder.ends("densify in.gpkg -i 5 --zooms 12:7,14:5 -o a.pmtiles", USAGE).contains("whole multiple"));
     assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 1, "nothing was left behind");
 }
 

@@ -174,25 +174,8 @@ impl Subdivision {
     ///
     /// `smooth` gives a height (metres) for a map position, or none. Corners of the frame take it where there is one.
     pub(crate) fn retriangulated(self, finer: Tin, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Self {
-        let Self {
-            map, tin, regions, frame, interval, spacing, corrections, doubted, gaps, constraints, given, ..
-        } = self;
-        let (tin, regions) = CarriedRegions::new(&tin, regions).on(finer);
+        let (tin, regions) = CarriedRegions::new(&self.tin, self.regions).on(finer);
         let tin = with_frame_heights(tin, &regions, smooth);
-        let triangulation = Triangulation::default();
-        Self {
-            map,
-            tin,
-            regions,
-            frame,
-            interval,
-            spacing,
-            corrections,
-            doubted,
-            gaps,
-            constraints,
-            triangulation,
-            given,
-        }
+        Self { tin, regions, triangulation: Triangulation::default(), ..self }
     }
 }
