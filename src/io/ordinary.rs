@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
+use super::tiles::foreign_entry;
 use tokosen_core::base::error::{Error, Result};
 
 /// The largest file beside an input that describes it, bytes. Files with statistics of many bands have some hundred kilobytes.
@@ -56,15 +57,26 @@ pub(super) fn check_replaceable(path: &Path) -> Result<()> {
     }
 }
 
-/// Refuses to replace what is no folder by one.
+/// Refuses to replace what is no folder by one, and a folder that holds other files than tiles: they would be lost.
 ///
 /// # Errors
-/// [`Error::File`] names the path.
+/// [`Error::File`] names the path. [`Error::Io`] if a folder cannot be read.
 pub(super) fn check_folder(path: &Path) -> Result<()> {
-    if fs::symlink_metadata(path).is_ok_and(|meta| !meta.is_dir()) {
-        return Err(Error::file(path, "is not a folder; name another one for the tiles"));
+    match fs::symlink_metadata(path) {
+        Ok(meta) if !meta.is_dir() => {
+            return Err(Error::file(path, "is not a folder; name another one for the tiles"));
+        }
+        Ok(_) => {}
+        Err(_) => return Ok(()),
     }
-    Ok(())
+    match foreign_entry(path).map_err(|e| Error::io("read", path, e))? {
+        None => Ok(()),
+        Some(entry) => {
+            let message =
+                "would be lost: it is no tile, and the folder of tiles is replaced as a whole; name another folder";
+            Err(Error::file(&entry, message))
+        }
+    }
 }
 
 /// Refuses a folder, a device, a named pipe and a socket. A link counts as what it leads to.

@@ -37,7 +37,9 @@ impl<'a> From<&'a Path> for PlannedOutput<'a> {
 /// a folder, no ordinary file, or write-protected.
 pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: bool) -> Result<()> {
     let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
-    let mut taken = Vec::new();
+    let mut taken: Vec<PathBuf> = Vec::new();
+    let folders: Vec<PathBuf> =
+        outputs.iter().filter_map(|output| Some(identity(&TileFormat::folder(output.path)?.0))).collect();
     for PlannedOutput { path, layers } in outputs {
         let is_folder = TileFormat::folder(path).is_some();
         let path: &Path = &TileFormat::target(path);
@@ -52,6 +54,13 @@ pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: b
         }
         if taken.contains(&file) {
             return Err(Error::Parameter(format!("{} is the name of two outputs", path.display())));
+        }
+        if let Some(folder) = folders.iter().find(|folder| file != **folder && file.starts_with(folder)) {
+            return Err(Error::Parameter(format!(
+                "{} lies in the folder of the tiles, {}, which is replaced as a whole: choose another place for it",
+                path.display(),
+                folder.display()
+            )));
         }
         parts(path).try_for_each(|part| if is_folder { check_folder(&part) } else { check_replaceable(&part) })?;
         if is_database {

@@ -213,6 +213,8 @@ impl StagedOutput {
             }
         }
         if staged.is_dir() && goal.is_dir() {
+            // Another program may have put a file there meanwhile.
+            check_folder(&goal)?;
             // A folder replaces another one only if that is empty. The former one goes with the hidden folder.
             fs::rename(&goal, self.sibling(FORMER)).map_err(|e| Error::io("replace", &goal, e))?;
         }

@@ -155,12 +155,22 @@ fn what_another_program_made_stays() {
     fs::create_dir(folder.path("mine")).unwrap();
     fs::write(folder.path("mine/notes.txt"), "mine").unwrap();
     fs::write(folder.path("mine.pmtiles"), "PMTiles\x03 mine").unwrap();
-    for output in ["mine/{z}/{x}/{y}.pbf", "mine.pmtiles"] {
-        let said = folder.ends(&format!("densify in.gpkg -i 10 -o {output}"), FAILED);
-        assert!(said.contains("--overwrite"), "{said}");
+    let said = folder.ends("densify in.gpkg -i 10 -o mine.pmtiles", FAILED);
+    assert!(said.contains("--overwrite"), "{said}");
+    // A folder is replaced as a whole. So one with other files is refused in any case.
+    for overwrite in ["", " --overwrite"] {
+        let said = folder.ends(&format!("densify in.gpkg -i 10 -o mine/{{z}}/{{x}}/{{y}}.pbf{overwrite}"), FAILED);
+        assert!(said.contains("notes.txt would be lost"), "{said}");
     }
     assert_eq!(fs::read_to_string(folder.path("mine/notes.txt")).unwrap(), "mine");
     folder.succeeds("densify in.gpkg -i 10 -o mine.pmtiles --overwrite");
     let said = folder.ends("densify in.gpkg -i 10 -o mine.pmtiles/{z}/{x}/{y}.pbf", FAILED);
     assert!(said.contains("is not a folder"), "{said}");
+    folder.succeeds("densify in.gpkg -i 20 -o own/{z}/{x}/{y}.pbf");
+    let said = folder.ends("densify in.gpkg -i 20 -o own/{z}/{x}/{y}.pbf --dem own/dem.tif --cell 50", FAILED);
+    assert!(said.contains("lies in the folder of the tiles"), "{said}");
+    folder.succeeds("densify in.gpkg -i 20 -o own/{z}/{x}/{y}.pbf");
+    fs::copy(folder.path("in.gpkg"), folder.path("own/in.gpkg")).unwrap();
+    let said = folder.ends("densify own/in.gpkg -i 20 -o own/{z}/{x}/{y}.pbf", FAILED);
+    assert!(said.contains("in.gpkg would be lost") && folder.path("own/in.gpkg").exists(), "{said}");
 }

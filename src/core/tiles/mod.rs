@@ -32,7 +32,7 @@ mod tests;
 
 pub use heights::{ZoomHeights, zoom_heights};
 pub use intervals::{ZoomInterval, given_intervals, intervals, is_shown, lowest_zoom};
-pub use mercator::{HALF_WIDTH, TilePlace, WEB_MERCATOR, tile_size, to_degrees};
+pub use mercator::{HALF_WIDTH, TilePlace, WEB_MERCATOR, check_latitudes, check_meridian, tile_size, to_degrees};
 pub use network::{LevelLine, LineOnGrid, Network};
 pub use runs::{BUFFER, Run, runs};
 

@@ -18,7 +18,8 @@ use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::contour::{ContourLayer, ContourLine, Target};
 use tokosen_core::crs::FromWorking;
 use tokosen_core::tiles::{
-    LevelLine, Network, Run, TilePlace, ZoomInterval, given_intervals, intervals, is_shown, runs, to_degrees,
+    LevelLine, Network, Run, TilePlace, ZoomInterval, check_latitudes, check_meridian, given_intervals, intervals,
+    is_shown, runs, to_degrees,
 };
 
 /// The layer of the tiles.
@@ -110,6 +111,8 @@ pub fn write_contour_tiles(
     let (levels, numbers) = levels(tiles.layer, tiles.target, unit);
     let lines = step(progress, "to Web Mercator", || on_map(&tiles.layer.lines, &numbers, tiles.back))?;
     let [low, high] = bounds(&lines).ok_or_else(|| Error::file(path, "there is no contour to write"))?;
+    check_latitudes(low, high)?;
+    lines.iter().try_for_each(|line| check_meridian(&line.points))?;
     let zooms = zooms(tiles, &levels, low, high)?;
     let shows = |level: u32, multiple: u32| is_shown(levels[level as usize].steps, multiple);
     let is_needed = |level: u32, below: u8| zooms.iter().any(|z| z.zoom < below && shows(level, z.multiple));

@@ -94,6 +94,41 @@ pub(crate) fn is_own_folder(folder: &Path) -> bool {
     is_empty || (described().is_ok() && states_maker(&text))
 }
 
+/// The first entry of a folder that does not belong to tiles; none if there is no such entry.
+///
+/// # Errors
+/// A folder cannot be read.
+pub(crate) fn foreign_entry(folder: &Path) -> std::io::Result<Option<PathBuf>> {
+    for zoom in std::fs::read_dir(folder)? {
+        let zoom = zoom?;
+        if zoom.file_name() == METADATA_FILE {
+            continue;
+        }
+        if !is_number(zoom.file_name().to_str()) || !zoom.file_type()?.is_dir() {
+            return Ok(Some(zoom.path()));
+        }
+        for column in std::fs::read_dir(zoom.path())? {
+            let column = column?;
+            if !is_number(column.file_name().to_str()) || !column.file_type()?.is_dir() {
+                return Ok(Some(column.path()));
+            }
+            for tile in std::fs::read_dir(column.path())? {
+                let tile = tile?;
+                let name = PathBuf::from(tile.file_name());
+                let is_tile = is_number(name.file_stem().and_then(|stem| stem.to_str())) && tile.file_type()?.is_file();
+                if !is_tile {
+                    return Ok(Some(tile.path()));
+                }
+            }
+        }
+    }
+    Ok(None)
+}
+
+fn is_number(name: Option<&str>) -> bool {
+    name.is_some_and(|name| !name.is_empty() && name.bytes().all(|b| b.is_ascii_digit()))
+}
+
 fn states_maker(metadata: &[u8]) -> bool {
     let stated: Result<serde_json::Value, _> = serde_json::from_slice(metadata);
     stated.is_ok_and(|stated| stated.get("description").and_then(|text| text.as_str()) == Some(MADE_BY))
@@ -119,6 +154,27 @@ mod tests {
             assert_eq!(TileFormat::of(Path::new(path)), kind, "{path}");
         }
         assert_eq!(TileFormat::target(Path::new("a/t/{z}/{x}/{y}.pbf")), Path::new("a/t"));
+    }
+
+    #[test]
+    fn files_beside_tiles_are_seen() {
+        let dir = tempfile::tempdir().unwrap();
+        let put = |name: &str| {
+            let path = dir.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(&path, "").unwrap();
+            path
+        };
+        put("metadata.json");
+        put("11/3/5.pbf");
+        put("11/4/5.pbf");
+        assert_eq!(foreign_entry(dir.path()).unwrap(), None);
+        for name in ["index.html", ".git", "12", "11/notes.txt", "11/4/dem.tif"] {
+            let path = put(name);
+            assert_eq!(foreign_entry(dir.path()).unwrap(), Some(path.clone()));
+            std::fs::remove_file(path).unwrap();
+        }
+        assert_eq!(foreign_entry(dir.path()).unwrap(), None);
     }
 
     #[test]

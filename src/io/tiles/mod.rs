@@ -19,5 +19,5 @@ mod terrain;
 
 pub use contours::{ContourTiles, WrittenTiles, ZoomSummary, write_contour_tiles};
 pub use format::TileFormat;
-pub(super) use format::{is_own_folder, is_own_mbtiles, is_own_pmtiles};
+pub(super) use format::{foreign_entry, is_own_folder, is_own_mbtiles, is_own_pmtiles};
 pub use terrain::{TerrainTiles, TerrainZoom, TileImage, WrittenTerrain, pixel_size, write_terrain_tiles};

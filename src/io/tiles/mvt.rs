@@ -140,7 +140,7 @@ mod tests {
         feature.add([[0, 0], [1, 0]].into_iter());
         let bytes = tile("c", 4096, &[feature]).unwrap();
         let expected: &[u8] = &[
-            0x1a, 57, 0x78, 2, 0x0a, 1, b'c', // layer, version, name
+            0x1a, 54, 0x78, 2, 0x0a, 1, b'c', // layer, version, name
             0x12, 18, 0x12, 6, 0, 0, 1, 1, 2, 2, 0x18, 2, 0x22, 6, 9, 0, 0, 10, 2, 0, // feature
             0x1a, 3, b'e', b'l', b'e', 0x1a, 1, b't', 0x1a, 3, b'i', b'd', b'x', // keys
             0x22, 2, 0x30, 9, 0x22, 3, 0x0a, 1, b'a', 0x22, 2, 0x38, 1, // values

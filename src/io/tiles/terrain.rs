@@ -14,7 +14,7 @@ use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::parallel;
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::raster::Dem;
-use tokosen_core::tiles::{TilePlace, ZoomHeights, lowest_zoom, tile_size, to_degrees, zoom_heights};
+use tokosen_core::tiles::{TilePlace, ZoomHeights, check_latitudes, lowest_zoom, tile_size, to_degrees, zoom_heights};
 
 /// Tiles that are made before they are written.
 const BATCH: usize = 256;
@@ -90,6 +90,7 @@ pub fn write_terrain_tiles(
         return Err(Error::Parameter("terrain tiles hold heights as colours, not as grey".into()));
     };
     let size = DVec2::new(dem.grid.cols as f64, dem.grid.rows as f64) * dem.grid.cell;
+    check_latitudes(dem.grid.corner - DVec2::new(0.0, size.y), dem.grid.corner)?;
     let lowest = lowest_zoom(size, tiles.zoom);
     let all = step(progress, "overviews", || zoom_heights(dem, tiles.zoom, lowest, tiles.side))?;
     let about = about(path, dem, size, tiles, [lowest, tiles.zoom], code);
