@@ -17,6 +17,9 @@ use super::memory;
 use super::output::{check_vector, is_raster, write_if_asked};
 use super::places::{self, PlaceArg};
 
+/// Water that is deeper than this many times its height above the streams stands in a pit.
+const DEEPER: f64 = 1.01;
+
 #[derive(Debug, Clone, Args)]
 pub struct FloodArgs {
     /// Ground under water at --flood-level: the depth (.tif, .exr, .png, .asc or .xyz), or areas with their volume (.gpkg,
@@ -137,6 +140,21 @@ impl FloodArgs {
             flood.volume,
             flood.deepest
         ));
+        let explained = match self.flood_level {
+            Some(FloodLevel::At(_)) if flood.cells == 0 && self.flood_from.is_empty() => {
+                "no ground below the level is joined to the edge of the map; --flood-from names places that water comes from"
+            }
+            Some(FloodLevel::AboveStreams(_)) if flood.cells == 0 => {
+                "there is no stream: nowhere does so much ground as --threshold drain through a cell"
+            }
+            Some(FloodLevel::AboveStreams(rise)) if flood.deepest > rise * DEEPER => {
+                "pits are full up to their rims, and the water there is deeper; of contours, --drain all cuts ways out of pits"
+            }
+            _ => "",
+        };
+        if !explained.is_empty() {
+            console.say(&format!("           {explained}"));
+        }
         console.say(&format!("written    {}", path.display()));
     }
 }

@@ -285,7 +285,10 @@ impl FlowOutputs {
             let length: f64 = found.lines.iter().map(|line| line.length).sum();
             let order = found.lines.iter().map(|line| line.strahler).max().unwrap_or(0);
             let (count, km) = (found.lines.len(), length / 1e3);
-            console.say(&format!("streams    {count} lines, {km:.2} km, up to Strahler order {order}"));
+            console.say(&match count {
+                0 => "streams    none: nowhere does so much ground as --threshold drain through a cell".into(),
+                _ => format!("streams    {count} lines, {km:.2} km, up to Strahler order {order}"),
+            });
             console.say(&format!("written    {}, layer {STREAM_LINES_LAYER}", path.display()));
         }
         if let (Some(staged), Some(flood)) = (self.flood, &found.flood) {
