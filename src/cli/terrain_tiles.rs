@@ -30,12 +30,12 @@ pub struct TerrainTileArgs {
         hide_short_help = true
     )]
     pub max_zoom: Option<u8>,
-    /// Pixels of a terrain tile's side
-    #[arg(long, value_enum, default_value_t = SideArg::Large, requires = "max_zoom", hide_short_help = true)]
-    pub tile_size: SideArg,
-    /// How terrain tiles are stored in a .pmtiles or .mbtiles; both lose nothing
-    #[arg(long, value_enum, default_value_t = ImageArg::Png, requires = "max_zoom", hide_short_help = true)]
-    pub tile_image: ImageArg,
+    /// Pixels of a terrain tile's side [default: 512]
+    #[arg(long, value_enum, hide_short_help = true)]
+    pub tile_size: Option<SideArg>,
+    /// How terrain tiles are stored in a .pmtiles or .mbtiles; both lose nothing [default: png]
+    #[arg(long, value_enum, hide_short_help = true)]
+    pub tile_image: Option<ImageArg>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -62,8 +62,12 @@ impl HeightMapArgs {
     pub fn tiles(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Option<TerrainTiles>, Failure> {
         let usage = |message: &str| Err(Failure::Usage(format!("{}: {message}", path.display())));
         if TileFormat::of(path).is_none() {
-            return match self.tiles.max_zoom {
-                Some(_) => usage("--max-zoom applies to terrain tiles: .pmtiles, .mbtiles or FOLDER/{z}/{x}/{y}.png"),
+            let TerrainTileArgs { max_zoom, tile_size, tile_image } = &self.tiles;
+            let mut given = ABOUT_TILES.into_iter().zip([max_zoom.is_some(), tile_size.is_some(), tile_image.is_some()]);
+            return match given.find(|(_, is_given)| *is_given) {
+                Some((flag, _)) => usage(&format!(
+                    "{flag} applies to terrain tiles: .pmtiles, .mbtiles or FOLDER/{{z}}/{{x}}/{{y}}.png"
+                )),
                 None => Ok(None),
             };
         }
@@ -81,12 +85,15 @@ impl HeightMapArgs {
         if self.uncertainty {
             return usage("terrain tiles hold heights only, so --uncertainty does not apply");
         }
-        let image = match (TileFormat::folder(path).map(|(_, extension)| extension), self.tiles.tile_image) {
+        let image = match (
+            TileFormat::folder(path).map(|(_, extension)| extension),
+            self.tiles.tile_image.unwrap_or(ImageArg::Png),
+        ) {
             (Some("png"), _) | (None, ImageArg::Png) => TileImage::Png,
             (Some("webp"), _) | (None, ImageArg::Webp) => TileImage::Webp,
             (Some(_), _) => return usage("terrain tiles in a folder are .png or .webp"),
         };
-        let side = match self.tiles.tile_size {
+        let side = match self.tiles.tile_size.unwrap_or(SideArg::Large) {
             SideArg::Small => 256,
             SideArg::Large => 512,
         };

@@ -73,7 +73,7 @@ pub(super) fn check_folder(path: &Path) -> Result<()> {
         None => Ok(()),
         Some(entry) => {
             let message =
-                "would be lost: it is no tile, and the folder of tiles is replaced as a whole; name another folder";
+                "is no tile and would be lost: the folder of tiles is replaced as a whole; name another folder";
             Err(Error::file(&entry, message))
         }
     }

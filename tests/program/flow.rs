@@ -164,7 +164,8 @@ fn floods_come_from_the_edge_from_places_or_along_streams() {
     }
     let text = folder.succeeds("derive dem.tif --flood dry.tif --flood-level 1");
     assert!(text.contains("--flood-from names"), "{text}");
-    let text = folder.succeeds("derive dem.tif --stream-lines none.gpkg --flood none.tif --flood-level +3 --threshold 1e9");
+    let text =
+        folder.succeeds("derive dem.tif --stream-lines none.gpkg --flood none.tif --flood-level +3 --threshold 1e9");
     assert!(text.contains("streams    none") && text.contains("there is no stream"), "{text}");
     let folder = Folder::with_valley();
     folder.succeeds("derive dem.tif --flood rise.tif --flood-level +1.5 --threshold 50000");

@@ -141,7 +141,7 @@ fn wrong_usage_is_refused_before_the_work() {
         ("dem in.gpkg --max-zoom 12 -o a.tif", "--max-zoom applies to terrain tiles"),
         ("dem in.gpkg --max-zoom 12 --to-unit ft -o a.pmtiles", "metres only"),
         ("dem in.gpkg --max-zoom 12 -o a/{z}/{x}/{y}.jpg", ".png or .webp"),
-        ("dem in.gpkg --cell 10 --tile-image webp -o a.tif", "--max-zoom <Z>"),
+        ("dem in.gpkg --cell 10 --tile-image webp -o a.tif", "--tile-image applies to terrain tiles"),
         ("densify in.gpkg -i 5 --zooms 12:7,14:5 -o a.pmtiles", "whole multiple"),
     ] {
         assert!(folder.ends(line, USAGE).contains(expected), "{line}");
@@ -160,7 +160,7 @@ fn what_another_program_made_stays() {
     // A folder is replaced as a whole. So one with other files is refused in any case.
     for overwrite in ["", " --overwrite"] {
         let said = folder.ends(&format!("densify in.gpkg -i 10 -o mine/{{z}}/{{x}}/{{y}}.pbf{overwrite}"), FAILED);
-        assert!(said.contains("notes.txt would be lost"), "{said}");
+        assert!(said.contains("notes.txt: is no tile"), "{said}");
     }
     assert_eq!(fs::read_to_string(folder.path("mine/notes.txt")).unwrap(), "mine");
     folder.succeeds("densify in.gpkg -i 10 -o mine.pmtiles --overwrite");
@@ -172,5 +172,5 @@ fn what_another_program_made_stays() {
     folder.succeeds("densify in.gpkg -i 20 -o own/{z}/{x}/{y}.pbf");
     fs::copy(folder.path("in.gpkg"), folder.path("own/in.gpkg")).unwrap();
     let said = folder.ends("densify own/in.gpkg -i 20 -o own/{z}/{x}/{y}.pbf", FAILED);
-    assert!(said.contains("in.gpkg would be lost") && folder.path("own/in.gpkg").exists(), "{said}");
+    assert!(said.contains("in.gpkg: is no tile") && folder.path("own/in.gpkg").exists(), "{said}");
 }
