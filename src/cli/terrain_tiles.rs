@@ -63,7 +63,8 @@ impl HeightMapArgs {
         let usage = |message: &str| Err(Failure::Usage(format!("{}: {message}", path.display())));
         if TileFormat::of(path).is_none() {
             let TerrainTileArgs { max_zoom, tile_size, tile_image } = &self.tiles;
-            let mut given = ABOUT_TILES.into_iter().zip([max_zoom.is_some(), tile_size.is_some(), tile_image.is_some()]);
+            let mut given =
+                ABOUT_TILES.into_iter().zip([max_zoom.is_some(), tile_size.is_some(), tile_image.is_some()]);
             return match given.find(|(_, is_given)| *is_given) {
                 Some((flag, _)) => usage(&format!(
                     "{flag} applies to terrain tiles: .pmtiles, .mbtiles or FOLDER/{{z}}/{{x}}/{{y}}.png"
