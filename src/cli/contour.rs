@@ -190,7 +190,7 @@ impl ContourArgs {
         if let Some(bad) = self.smooth.filter(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
         }
-        self.levels.check(&self.output)?;
+        tiles::check(&self.output, &self.levels)?;
         self.preview.as_deref().map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         let files = tiles::files(&self.output, layers)?;
         let contours = files.iter().map(|path| PlannedOutput { path, layers });

@@ -243,7 +243,7 @@ impl DensifyArgs {
         if let Some(bad) = self.simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
-        self.levels.check(&self.output)?;
+        tiles::check(&self.output, &self.levels)?;
         self.surface.check(flags)
     }
 

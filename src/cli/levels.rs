@@ -1,7 +1,5 @@
 //! The arguments about the levels of contours, and about how lines are written.
 
-use std::path::Path;
-
 use clap::Args;
 use tokosen::Interval;
 use tokosen::contour::ContourLayer;
@@ -13,8 +11,8 @@ use tokosen::slice::Label;
 use super::failure::Failure;
 use super::labels::LabelArgs;
 use super::plane::ToCrsArgs;
-use super::tiles::{self, ZoomArgs};
 use super::unit::ToUnitArgs;
+use super::zooms::ZoomArgs;
 
 /// Which contours to write, in which coordinates and unit.
 #[derive(Debug, Clone, Args)]
@@ -64,11 +62,6 @@ impl LevelsArgs {
         let smallest = || self.zooms.zooms.iter().map(|(_, step)| *step).min_by(f64::total_cmp);
         let intervals = if self.interval.is_empty() { smallest().into_iter().collect() } else { self.interval.clone() };
         Ok(intervals.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
-    }
-
-    /// Checks the file of the contours, and the options that depend on its kind.
-    pub fn check(&self, output: &Path) -> Result<(), Failure> {
-        tiles::check(output, self)
     }
 
     /// The names of all layers: of the contours, each followed by that of its labels if there are any.

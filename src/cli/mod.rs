@@ -45,6 +45,7 @@ mod surface;
 mod terrain_tiles;
 mod tiles;
 mod unit;
+mod zooms;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

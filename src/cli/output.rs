@@ -168,6 +168,25 @@ impl HeightMapArgs {
         RasterParams { png: self.png(), tiff: self.cog.layout(), unit, ..RasterParams::default() }
     }
 
+    /// The tiles that a path asks for; none if it is another file. `crs` is the system that the cells are to be in, if it is
+    /// named.
+    pub fn tiles(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Option<TerrainTiles>, Failure> {
+        let tiles = self.tiles.tiles(path, crs, unit, self.png())?;
+        if tiles.is_some() && self.uncertainty {
+            let message = "terrain tiles hold heights only, so --uncertainty does not apply";
+            return Err(Failure::Usage(format!("{}: {message}", path.display())));
+        }
+        Ok(tiles)
+    }
+
+    /// Checks what can be checked before anything is read.
+    pub fn check(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<(), Failure> {
+        match self.tiles(path, crs, unit)? {
+            Some(_) => Ok(()),
+            None => self.grid.check(crs),
+        }
+    }
+
     /// How a PNG stores heights.
     pub fn png(&self) -> PngEncoding {
         match self.png_encoding {

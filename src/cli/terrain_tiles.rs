@@ -12,7 +12,6 @@ use tokosen::tiles::WEB_MERCATOR;
 
 use super::console::Console;
 use super::failure::Failure;
-use super::output::HeightMapArgs;
 use super::tiles::size;
 
 /// The flags about terrain tiles.
@@ -56,13 +55,19 @@ pub enum ImageArg {
     Webp,
 }
 
-impl HeightMapArgs {
+impl TerrainTileArgs {
     /// The tiles that a path asks for; none if it is another file. `crs` is the system that the cells are to be in, if it is
-    /// named.
-    pub fn tiles(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Option<TerrainTiles>, Failure> {
+    /// named, and `png` how a PNG stores heights.
+    pub fn tiles(
+        &self,
+        path: &Path,
+        crs: Option<&Crs>,
+        unit: ElevationUnit,
+        png: PngEncoding,
+    ) -> Result<Option<TerrainTiles>, Failure> {
         let usage = |message: &str| Err(Failure::Usage(format!("{}: {message}", path.display())));
         if TileFormat::of(path).is_none() {
-            let TerrainTileArgs { max_zoom, tile_size, tile_image } = &self.tiles;
+            let Self { max_zoom, tile_size, tile_image } = self;
             let mut given =
                 ABOUT_TILES.into_iter().zip([max_zoom.is_some(), tile_size.is_some(), tile_image.is_some()]);
             return match given.find(|(_, is_given)| *is_given) {
@@ -72,7 +77,7 @@ impl HeightMapArgs {
                 None => Ok(None),
             };
         }
-        let Some(zoom) = self.tiles.max_zoom else {
+        let Some(zoom) = self.max_zoom else {
             return usage(
                 "terrain tiles need their highest zoom, which is also the size of their cells: --max-zoom 13",
             );
@@ -83,35 +88,24 @@ impl HeightMapArgs {
         if unit.is_foot() {
             return usage("terrain tiles hold metres only, so --to-unit cannot be feet");
         }
-        if self.uncertainty {
-            return usage("terrain tiles hold heights only, so --uncertainty does not apply");
-        }
         let image = match (
             TileFormat::folder(path).map(|(_, extension)| extension),
-            self.tiles.tile_image.unwrap_or(ImageArg::Png),
+            self.tile_image.unwrap_or(ImageArg::Png),
         ) {
             (Some("png"), _) | (None, ImageArg::Png) => TileImage::Png,
             (Some("webp"), _) | (None, ImageArg::Webp) => TileImage::Webp,
             (Some(_), _) => return usage("terrain tiles in a folder are .png or .webp"),
         };
-        let side = match self.tiles.tile_size.unwrap_or(SideArg::Large) {
+        let side = match self.tile_size.unwrap_or(SideArg::Large) {
             SideArg::Small => 256,
             SideArg::Large => 512,
         };
         // Grey is the encoding of other files.
-        let encoding = match self.png() {
+        let encoding = match png {
             PngEncoding::Gray16 => PngEncoding::Terrarium,
             colours => colours,
         };
         Ok(Some(TerrainTiles { zoom, side, encoding, image }))
-    }
-
-    /// Checks what can be checked before anything is read.
-    pub fn check(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<(), Failure> {
-        match self.tiles(path, crs, unit)? {
-            Some(_) => Ok(()),
-            None => self.grid.check(crs),
-        }
     }
 }
 

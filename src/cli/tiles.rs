@@ -1,8 +1,7 @@
-//! Contours as map tiles on the command line: `-o FILE.pmtiles`, `--zooms`.
+//! Contours as map tiles on the command line: `-o FILE.pmtiles`.
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
 use tokosen::base::error::Error;
 use tokosen::contour::{ContourLayer, Target};
 use tokosen::crs::{Crs, Reprojection};
@@ -17,30 +16,6 @@ use super::levels::LevelsArgs;
 /// The kinds of files for contours, for messages.
 const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
                      FOLDER/{z}/{x}/{y}.pbf";
-
-#[derive(Debug, Clone, Args)]
-pub struct ZoomArgs {
-    /// Intervals of map tiles by zoom, each until the next; the last one is the highest zoom: 10:100,12:20,14:5 [metres, or
-    /// the unit of --to-unit; default: those whose lines are two pixels apart on a slope of 45 degrees]
-    #[arg(
-        long,
-        value_name = "ZOOM:STEP",
-        value_delimiter = ',',
-        value_parser = zoom,
-        conflicts_with = "levels",
-        hide_short_help = true
-    )]
-    pub zooms: Vec<(u8, f64)>,
-}
-
-/// A zoom and its interval.
-fn zoom(text: &str) -> Result<(u8, f64), String> {
-    let wrong = || format!("{text:?} is not a zoom and an interval, such as 12:20");
-    let (zoom, interval) = text.split_once(':').ok_or_else(wrong)?;
-    let interval: f64 = interval.parse().map_err(|_| wrong())?;
-    let zoom = zoom.parse().map_err(|_| wrong())?;
-    if interval.is_finite() && interval > 0.0 { Ok((zoom, interval)) } else { Err(wrong()) }
-}
 
 /// Refuses a file that contours are not written to, and options that do not apply to it.
 pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {

@@ -16,7 +16,7 @@ use tokosen_core::crs::{Crs, FromWorking, Reprojection};
 use tokosen_core::layers::{LayerParams, contour_layers};
 use tokosen_core::mesh::{Mesh, MeshParams, mesh};
 use tokosen_core::subdomains::{FrameRing, MapExtent, frame_ring};
-use tokosen_core::surface::{Surface, Whole, build};
+use tokosen_core::surface::{Surface, build, whole_map};
 
 /// The ground between contours, and the findings about them.
 ///
@@ -74,7 +74,7 @@ impl Terrain {
         let mut params = input.surface_params(options, cells.as_ref());
         let part = input.part.take().map(|area| Part::new(area, &input.map)).transpose()?;
         if let Some(part) = &part {
-            let figures = step(progress, "the whole map", || Whole::of(&input.map, &params));
+            let figures = step(progress, "the whole map", || whole_map(&input.map, &params));
             params.whole = figures.map_err(|error| input.named_error(error))?;
             params.frame = part.frame(std::mem::take(&mut params.frame));
             input.cut_to(part)?;

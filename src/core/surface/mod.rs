@@ -27,6 +27,7 @@ mod skeleton_lines;
 mod smooth_height;
 mod trial_builder;
 mod whole;
+mod whole_map;
 
 pub use along_streams::largest_stream_change;
 pub use build::build;
@@ -44,3 +45,4 @@ pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 pub use places::InOther;
 pub use sample::{heights, heights_on};
 pub use whole::Whole;
+pub use whole_map::whole_map;

@@ -21,11 +21,13 @@ mod chains;
 mod heights;
 mod intervals;
 mod mercator;
+mod moving;
 mod network;
 mod room;
 mod runs;
 mod snap;
 mod thin;
+mod zoom;
 
 #[cfg(test)]
 mod tests;

@@ -4,21 +4,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::chains::{Chain, chains};
-use super::mercator::{TilePlace, in_tiles};
-use super::{EXTENT, snap, thin};
-use crate::geometry::Bounds;
+use super::EXTENT;
+use super::mercator::TilePlace;
 
-/// Largest distance of a vertex that is left out from its line, units: a quarter of a pixel.
-const TOLERANCE: f64 = 2.0;
-/// The same at the highest zoom, which map libraries enlarge.
-const FINE_TOLERANCE: f64 = 1.0;
-/// Lines whose length and width are less are left out, units: two pixels.
-const SMALLEST: f64 = 16.0;
-/// The same at the highest zoom.
-const FINE_SMALLEST: f64 = 4.0;
 /// Longest segment, units. Tiles take whole segments. Map libraries lose what lies further outside of a tile than a tile or two.
-const LONGEST: f64 = 1024.0;
+pub(super) const LONGEST: f64 = 1024.0;
 
 /// A line in Web Mercator metres.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,21 +70,8 @@ impl LineOnGrid<'_> {
 }
 
 impl Network {
-    /// The network of lines for the highest zoom. Those of one level that meet at their ends are joined.
-    pub fn new(lines: Vec<LevelLine>, zoom: u8) -> Self {
-        let mut network = Self { zoom, fineness: 1, lines: Vec::new(), places: Vec::new() };
-        for Chain { level, mut points, is_ring } in chains(lines) {
-            if is_ring {
-                points.pop();
-            }
-            points.iter_mut().for_each(|p| *p = in_tiles(*p, zoom) * f64::from(EXTENT));
-            network.push(level, is_ring, points.into_iter());
-        }
-        network
-    }
-
     /// Adds a line without repeated vertices. Long segments are divided: they take part in the search for what lies near.
-    fn push(&mut self, level: u32, is_ring: bool, points: impl Iterator<Item = DVec2>) {
+    pub(super) fn push(&mut self, level: u32, is_ring: bool, points: impl Iterator<Item = DVec2>) {
         let first = self.places.len();
         for p in points {
             if self.places.len() > first {
@@ -137,21 +114,6 @@ impl Network {
         EXTENT * self.fineness
     }
 
-    /// Leaves out what cannot be seen: lines, whose number is returned, and vertices. No line touches another one by it.
-    pub fn simplify(&mut self, is_highest: bool) -> usize {
-        let (tolerance, smallest) = if is_highest { (FINE_TOLERANCE, FINE_SMALLEST) } else { (TOLERANCE, SMALLEST) };
-        let before = self.lines.len();
-        let size = |line: &Line| {
-            let vertices = &self.places[line.first as usize..(line.first + line.count) as usize];
-            let bounds = Bounds::around(vertices);
-            (bounds.max - bounds.min).max_element()
-        };
-        let is_seen: Vec<bool> = self.lines.iter().map(|line| size(line) >= smallest).collect();
-        self.retain(|k, _| is_seen[k]);
-        thin::thin(self, tolerance, LONGEST);
-        before - self.lines.len()
-    }
-
     /// The tile with the most vertices of lines whose level is shown, and their number; none if there is none.
     pub fn fullest_tile(&self, is_shown: impl Fn(u32) -> bool) -> Option<(TilePlace, usize)> {
         let mut counts: BTreeMap<(u32, u32), usize> = BTreeMap::new();
@@ -165,11 +127,6 @@ impl Network {
         Some((TilePlace { zoom: self.zoom, x, y }, count))
     }
 
-    /// Moves all vertices to the grid. Returns the number of gaps in lines that lie closer to another level than any grid shows.
-    pub fn to_grid(&mut self) -> usize {
-        snap::snap(self)
-    }
-
     /// The same lines for the next lower zoom, those whose level is needed there.
     pub fn coarser(mut self, is_needed: impl Fn(u32) -> bool) -> Self {
         self.retain(|_, line| is_needed(line.level));
@@ -178,7 +135,7 @@ impl Network {
     }
 
     /// Keeps some of the lines, and the memory of these only.
-    fn retain(&mut self, is_kept: impl Fn(usize, &Line) -> bool) {
+    pub(super) fn retain(&mut self, is_kept: impl Fn(usize, &Line) -> bool) {
         let mut places = Vec::new();
         let mut k = 0;
         self.lines.retain_mut(|line| {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 
-use super::snap::{Moving, Obstacles};
+use super::moving::{Moving, Obstacles};
 use crate::geometry::Bounds;
 
 /// How often a vertex moves away on each grid, at most. So it stays where the search finds its segments.

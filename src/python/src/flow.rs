@@ -13,12 +13,12 @@ use tokosen::io::raster::Quantity;
 use tokosen::raster::{Dem, GroundScale};
 use tokosen::terrain::{Outlets, Place, flood_source};
 
+use crate::derived::Derived;
 use crate::error::parameter;
 use crate::layer::Layer;
 use crate::options::one_of;
 use crate::raster::Raster;
 use crate::terrain::{Warned, warned};
-use crate::verbs::Derived;
 use crate::work::work;
 
 /// The products, for the message about an unknown one.

@@ -9,11 +9,12 @@
 //! | `options.rs`, `unit.rs` | the keyword arguments |
 //! | `input.rs` | the input of a terrain, from sources and options |
 //! | `terrain.rs`, `verbs.rs`, `flow.rs`, `comparison.rs` | the work |
-//! | `layer.rs`, `raster.rs`, `model.rs` | results |
+//! | `layer.rs`, `raster.rs`, `model.rs`, `derived.rs` | results |
 //! | `work.rs`, `error.rs` | threads, progress, Ctrl-C; exceptions |
 
 mod arrow_input;
 mod comparison;
+mod derived;
 mod error;
 mod flow;
 mod input;

@@ -18,6 +18,7 @@ use tokosen::surface::Triangles;
 use tokosen::terrain::{all_right, check_json, clip_areas, clip_skeleton, clip_streams};
 use tokosen::tuning::SkeletonTuning;
 
+use crate::derived::Derived;
 use crate::error::parameter;
 use crate::flow::{self, Water};
 use crate::input::{Ground, Recipe, failed};
@@ -191,13 +192,6 @@ pub fn contour(
         let warned = raised.map(|why| (Severity::Warning.name(), "tolerance-raised", format!("tolerance {why}")));
         Ok((with_labels(&found.layers, labels, (low, high), unit, &back)?, warned.into_iter().collect()))
     })
-}
-
-/// What is derived from a height map.
-#[derive(IntoPyObject)]
-pub enum Derived {
-    Raster(Raster),
-    Layer(Layer),
 }
 
 /// Derives a raster or areas from a height map. `numbers` are those of the light: azimuth, altitude, factor on heights; and
