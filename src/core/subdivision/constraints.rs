@@ -14,7 +14,7 @@ use crate::subdomains::{
     FrameExtension, FrameRing, GapEdges, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes,
     with_coast, with_open_sea, with_water,
 };
-use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
+use crate::tin::{Tin, TinInput, VertexKind, triangulate};
 
 /// What is triangulated besides the contours.
 #[derive(Debug, Clone)]
@@ -38,7 +38,7 @@ pub(super) struct Constraints {
 
 /// A triangulation with its sub-domains.
 pub(super) struct Found {
-    pub(super) triangulation: Triangulation,
+    pub(super) input: TinInput,
     pub(super) tin: Tin,
     pub(super) regions: Regions,
     pub(super) gaps: GapEdges,
@@ -86,8 +86,9 @@ impl Constraints {
         findings: &mut Vec<Finding>,
     ) -> Result<Found> {
         loop {
-            let loaded = Triangulation::new(self.input(map, frame));
-            if let Err(Error::LinesCross { place }) = &loaded
+            let input = self.input(map, frame);
+            let tin = triangulate(&input);
+            if let Err(Error::LinesCross { place }) = &tin
                 && let Some(lake) = self.water_bodies.nearest(*place)
             {
                 // Without lakes, the lines were triangulated before. So one of the lines that cross is a shore.
@@ -95,8 +96,7 @@ impl Constraints {
                 self.water_bodies.leave_out(lake);
                 continue;
             }
-            let mut triangulation = loaded?;
-            let tin = self.within_frame(triangulation.tin()?, frame);
+            let tin = self.within_frame(tin?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);
             let tin = self.water_bodies.mark(tin.with_gap_edges(&gaps.closures, &gaps.barriers));
             let (tin, mut report) = known_regions(tin, interval);
@@ -126,7 +126,7 @@ impl Constraints {
             let regions = agreeing_at_corners(with_water(report.value, &tin, &heights, self.sea), &tin);
             let outside = spots_outside_bands(map, &tin, &regions);
             if outside.is_empty() {
-                return Ok(Found { triangulation, tin, regions, gaps, lines_in_sea, findings: report.findings });
+                return Ok(Found { input, tin, regions, gaps, lines_in_sea, findings: report.findings });
             }
             for (spot, finding) in outside {
                 self.spots[spot] = false;

@@ -12,7 +12,7 @@ use crate::base::progress::Progress;
 use crate::check::{Correction, Ground, Judged, contradicted_marks, judge, possible_lakes, possible_sea};
 use crate::contour::{ContourMap, Interval};
 use crate::subdomains::{CarriedRegions, Frame, FrameRing, GapEdges, MapExtent, Regions, loose_frame_edges};
-use crate::tin::{Tin, TinInput, Triangulation};
+use crate::tin::{Tin, TinInput};
 
 /// Number of triangles per parallel task.
 const CHUNK: usize = 1 << 14;
@@ -40,8 +40,8 @@ pub struct Subdivision {
     /// The edges that close openings between open ends.
     pub(crate) gaps: GapEdges,
     constraints: Constraints,
-    /// The triangulation itself, to which points can be added. Empty once it was taken.
-    pub(crate) triangulation: Triangulation,
+    /// The points and edges that were triangulated. Empty once it was taken.
+    pub(crate) input: TinInput,
     /// Number of points of the map; computed points come after them.
     pub(crate) given: usize,
 }
@@ -93,7 +93,7 @@ impl Prepared {
             (constraints.water_bodies, frame) = (water_bodies, with_ends);
             found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         }
-        let Found { mut triangulation, tin, regions: sub_domains, gaps, lines_in_sea, findings: of_regions } = found;
+        let Found { input, tin, regions: sub_domains, gaps, lines_in_sea, findings: of_regions } = found;
         findings.extend(of_regions);
         let ground = Ground {
             map: &map,
@@ -114,7 +114,7 @@ impl Prepared {
         findings.extend(possible_sea(&map, &tin, &sub_domains));
         let tin = with_frame_heights(tin, &sub_domains, &|_| None);
         progress.finish();
-        let given = triangulation.input().len();
+        let given = input.len();
         let regions = sub_domains;
         let subdivision = Subdivision {
             map,
@@ -127,7 +127,7 @@ impl Prepared {
             doubted,
             gaps,
             constraints,
-            triangulation,
+            input,
             given,
         };
         Ok(Report { value: subdivision, findings })
@@ -170,12 +170,17 @@ impl Subdivision {
         self.map.spots.iter().zip(&self.constraints.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
     }
 
+    /// The same subdivision on a triangulation whose triangles lie in these of its own.
+    pub(crate) fn split(self, tin: Tin, parents: &[u32]) -> Self {
+        Self { regions: self.regions.of_parts(parents), tin, input: TinInput::default(), ..self }
+    }
+
     /// The same subdivision on a finer triangulation, to which points and edges were added.
     ///
     /// `smooth` gives a height (metres) for a map position, or none. Corners of the frame take it where there is one.
     pub(crate) fn retriangulated(self, finer: Tin, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Self {
         let (tin, regions) = CarriedRegions::new(&self.tin, self.regions).on(finer);
         let tin = with_frame_heights(tin, &regions, smooth);
-        Self { tin, regions, triangulation: Triangulation::default(), ..self }
+        Self { tin, regions, input: TinInput::default(), ..self }
     }
 }

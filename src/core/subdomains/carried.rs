@@ -24,6 +24,13 @@ pub struct CarriedRegions {
     lakes: Vec<u32>,
 }
 
+impl Regions {
+    /// The sub-domains after triangles were split: `parents` gives for each the one that it lies in.
+    pub fn of_parts(self, parents: &[u32]) -> Self {
+        by_first_triangle(parents.iter().map(|&t| self.of_triangle[t as usize]).collect(), self)
+    }
+}
+
 /// A directed edge on the border of a sub-domain or of the frame.
 #[derive(Debug, Clone, Copy, Default)]
 struct BorderEdge {

@@ -225,7 +225,7 @@ fn triangulated(
         }
     }
     // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
-    let triangulation = std::mem::take(&mut subdivision.triangulation);
+    let input = std::mem::take(&mut subdivision.input);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
     if let Some(elsewhere) = of_lines.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
@@ -244,8 +244,7 @@ fn triangulated(
     // The smooth surface knows the ground along streams better than they do. So points near them stay.
     let is_clear_of = |line: &&KnownLine<'_>| params.kind == SurfaceKind::Skeleton || !line.is_stream;
     let clear_of: Vec<KnownLine<'_>> = known.iter().filter(is_clear_of).copied().collect();
-    let finer =
-        || skeleton.map(|skeleton| finer(&subdivision, triangulation, skeleton, &known, &clear_of, tuning)).transpose();
+    let finer = || skeleton.map(|skeleton| finer(&subdivision, input, skeleton, &known, &clear_of, tuning)).transpose();
     let largest = groups.largest();
     let of_map = |map: &ContourMap| {
         let chosen = match &largest {

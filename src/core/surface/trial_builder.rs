@@ -20,9 +20,9 @@ pub struct TrialBuilder<'t> {
 impl SurfaceBuilder for TrialBuilder<'_> {
     fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
-        let triangulation = std::mem::take(&mut subdivision.triangulation);
+        let input = std::mem::take(&mut subdivision.input);
         let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, self.tuning);
-        let finer = finer(&subdivision, triangulation, skeleton, &[], &[], self.tuning).ok()?;
+        let finer = finer(&subdivision, input, skeleton, &[], &[], self.tuning).ok()?;
         let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
         Some((subdivision, break_lines))
     }

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::network::VertexKind;
+use crate::base::error::Error;
 
 /// Points and edges to triangulate.
 ///
@@ -41,6 +42,14 @@ impl TinInput {
         let positions: Vec<DVec2> = positions.collect();
         let (heights, kinds) = (vec![0.0; positions.len()], vec![VertexKind::Axis; positions.len()]);
         Self { positions, heights, kinds, border_tolerance: -1.0, ..Self::default() }
+    }
+
+    /// The error with its place in map coordinates, if the place is relative to the origin.
+    pub(super) fn in_map(&self, error: Error) -> Error {
+        match error {
+            Error::LinesCross { place } => Error::LinesCross { place: place + self.origin },
+            other => other,
+        }
     }
 
     /// The origin that positions are relative to.

@@ -4,18 +4,19 @@
 //! A [`Tin`] is a few flat arrays, built once and never changed: corner indices, neighbours and constraint flags per
 //! triangle, position and height per vertex. Further data (sub-domain, kind) are flat arrays indexed by triangle.
 
+mod blocks;
 mod build;
-mod cdt;
 mod input;
 mod kinds;
 mod locate;
 mod network;
 mod refine;
-mod walk;
+mod split;
 
-pub use build::{Triangulation, triangulate};
+pub use build::triangulate;
 pub use input::TinInput;
 pub use kinds::{TriangleKind, triangle_kinds};
 pub(crate) use network::EDGE_FLAGS;
 pub use network::{NONE, Tin, VertexKind};
 pub use refine::{InnerPoint, PartedEdge};
+pub use split::{Split, SplitPoint};

@@ -208,7 +208,7 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
             outline.of(u as usize).iter().find(|(to, _)| *to == v).map(|(_, is_constraint)| *is_constraint)
         };
         // The triangulation also fills the ground between the outline and its convex hull.
-        let found = faces(input)?;
+        let found = faces(&input)?;
         let is_border_of_filling = |face: &Face, i: usize| {
             let [u, v] = face.edge(i);
             face.is_constraint(i) && on_outline([v, u]).is_some()
@@ -299,7 +299,7 @@ mod tests {
             let ends = [-5.0, 5.0].map(|y| input.push_local(DVec2::new(-8.0, y) - input.origin, 5.0, VertexKind::Axis));
             let mut with_edge = input.clone();
             with_edge.push_edge(ends[0], ends[1]);
-            let tin = triangulate(with_edge).unwrap();
+            let tin = triangulate(&with_edge).unwrap();
             let of_triangle = numbered(&tin);
             let place = |k: u32, seed: f64| 23.9 * (f64::from(k) * seed).fract() - 11.95;
             let scattered = (1..200).map(|k| DVec2::new(place(k, 0.618_034), place(k, 0.754_878)));
@@ -332,7 +332,7 @@ mod tests {
             let added: Vec<u32> = added.collect();
             let chain = [&[ends[1]], &added[..between.len()], &[ends[0]]].concat();
             chain.windows(2).for_each(|pair| input.push_edge(pair[0], pair[1]));
-            let whole = triangulate(input).unwrap();
+            let whole = triangulate(&input).unwrap();
             assert_eq!(refined.positions, whole.positions);
             assert_eq!(refined.kinds, whole.kinds);
             let sorted = |tin: &Tin| {
