@@ -1,0 +1,1 @@
+//! Tiles give the terrain of an untiled run.
