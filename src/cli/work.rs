@@ -28,12 +28,16 @@ pub struct WorkArgs {
     /// Number of tasks at the same time, each in a process of its own. Each takes the memory that the plan allows
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: u16,
+    /// Print the names of the tasks that are not done yet, one a line, and do none: for other schedulers
+    #[arg(long, conflicts_with_all = ["task", "jobs"])]
+    list: bool,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   tokosen work plan --jobs 4
-  tokosen work plan --task t07";
+  tokosen work plan --task t07
+  tokosen work plan --list | parallel tokosen work plan --task {}";
 
 /// Time between two looks at the processes.
 const TICK: Duration = Duration::from_millis(100);
@@ -45,6 +49,14 @@ pub fn run(args: &WorkArgs, console: &Console) -> Result<(), Failure> {
         [] => folder.manifest.tasks.iter().collect(),
         some => some.iter().map(|id| folder.task(id)).collect::<Result<_, _>>()?,
     };
+    if args.list {
+        for task in &folder.manifest.tasks {
+            if !folder.is_done(task)? {
+                console.result(&task.id);
+            }
+        }
+        return Ok(());
+    }
     if args.jobs > 1 {
         return side_by_side(args, &folder, console);
     }

@@ -7,6 +7,7 @@ use tokosen_core::contour::Source;
 use tokosen_core::layers::{LayerParams, SIMPLIFIED, contour_layers};
 use tokosen_core::slice::ascends_right;
 use tokosen_core::surface::{Surface, Triangles, height_map};
+use tokosen_core::tin::NONE;
 
 use super::cut::Tile;
 use super::divide::Block;
@@ -58,20 +59,14 @@ pub fn work(folder: &Folder, task: &Task, memory: Option<u64>, progress: &dyn Pr
     if let Some(mut around) = around.filter(|around| !around.map.contours.is_empty()) {
         around.map.crs.clone_from(&shared.working_crs);
         let map = std::mem::take(&mut around.map);
-        let Report { value: mut surface, findings } = tile_surface(map, &tile, progress)?;
+        let Report { value: surface, findings } = tile_surface(map, &tile, progress)?;
         result.findings = findings;
         heights =
             task.cells.zip(shared.cells).map(|(cells, grid)| tile_heights(&surface, &grid, &cells, &tile, progress));
         if let Some(levels) = &shared.levels {
             let core = Tile::new(task.tile);
             result.sides = sides(&surface, &around, &core);
-            let is_near = |t: u32| {
-                let corners = surface.tin.corners(t).map(|p| p + surface.tin.origin);
-                let [lo, hi] = corners.iter().fold([corners[0]; 2], |[lo, hi], &p| [lo.min(p), hi.max(p)]);
-                hi.cmpge(core.lo).all() && lo.cmple(core.hi).all()
-            };
-            let keep: Vec<bool> = (0..surface.tin.len() as u32).map(is_near).collect();
-            surface.tin = surface.tin.only(&keep);
+            let surface = only_near(surface, &core);
             let tolerance = SIMPLIFIED * shared.whole.spacing;
             result.layers = new_lines(&surface, levels, &core, (shared.unit, tolerance, memory), progress)?;
         }
@@ -105,6 +100,22 @@ fn tile_heights(surface: &Surface, grid: &Grid, cells: &Block, tile: &TileParams
     let dem = height_map(surface, &around, None, None, progress);
     let rows = cells.row - row..cells.row - row + cells.rows;
     rows.flat_map(|r| &dem.values[r * around.cols + cells.col - col..][..cells.cols]).copied().collect()
+}
+
+/// The surface without the triangles that do not meet a tile. New lines are traced only in the others.
+fn only_near(mut surface: Surface, tile: &Tile) -> Surface {
+    let tin = &surface.tin;
+    let is_near = |t: u32| {
+        let corners = tin.corners(t).map(|p| p + tin.origin);
+        let [lo, hi] = corners.iter().fold([corners[0]; 2], |[lo, hi], &p| [lo.min(p), hi.max(p)]);
+        hi.cmpge(tile.lo).all() && lo.cmple(tile.hi).all()
+    };
+    let keep: Vec<bool> = (0..tin.len() as u32).map(is_near).collect();
+    surface.tin = surface.tin.only(&keep);
+    // Ground outside of the frame belongs to no sub-domain.
+    let of_triangle = surface.regions.of_triangle.iter_mut().zip(&keep);
+    of_triangle.filter(|(_, keep)| !**keep).for_each(|(region, _)| *region = NONE);
+    surface
 }
 
 /// Which side of the contours in a tile is high.
