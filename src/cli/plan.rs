@@ -58,7 +58,7 @@ pub struct PlanArgs {
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
     /// Largest side of a tile [units of the working CRS; default: as --memory allows]
-    #[arg(long, value_name = "SIZE", help_heading = "Tiles")]
+    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Tiles")]
     tile_size: Option<f64>,
     /// Memory that a task may take, such as 4G or 800M. Tiles are cut so that their tasks fit
     #[arg(long, value_name = "BYTES", value_parser = bytes, default_value = "4G", help_heading = "Tiles")]
@@ -88,6 +88,14 @@ const REFUSED: [&str; 12] = [
     "--tune",
     "--save-run",
 ];
+
+/// The size of tiles.
+fn size(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(size) if size > 0.0 && size.is_finite() => Ok(size),
+        _ => Err("it must be more than 0".into()),
+    }
+}
 
 /// A number of bytes, with K, M, G or T for powers of 1000.
 fn bytes(text: &str) -> Result<u64, String> {
@@ -147,10 +155,8 @@ impl PlanArgs {
             let message = "name what to make: --interval for new contours, --cell for a height map, or both";
             return Err(Failure::Usage(message.into()));
         }
-        for (flag, size) in [("--cell", self.cell), ("--tile-size", self.tile_size)] {
-            if let Some(bad) = size.filter(|size| !(size.is_finite() && *size > 0.0)) {
-                return Err(Failure::Usage(format!("{flag} is {bad}, it must be more than 0")));
-            }
+        if let Some(bad) = self.cell.filter(|cell| !(cell.is_finite() && *cell > 0.0)) {
+            return Err(Failure::Usage(format!("--cell is {bad}, it must be more than 0")));
         }
         self.surface.check(&console.flags)
     }

@@ -59,52 +59,56 @@ impl Tile {
         p
     }
 
-    /// The parts of a line inside, in their order. A ring that is cut has no piece that ends at its first point.
+    /// The parts of a line inside, in their order. A ring goes on through its first point.
     pub fn pieces(&self, line: &[DVec2]) -> Vec<Piece> {
-        let is_ring = line.len() > 3 && line.first() == line.last();
         let mut pieces: Vec<Piece> = Vec::new();
         let mut open: Option<Piece> = None;
+        let cut_off = |piece: Piece| Piece { cut: [piece.cut[0], true], ..piece };
         for (k, ends) in line.windows(2).enumerate() {
             let (a, b) = (ends[0], ends[1]);
-            // An open line that begins or ends on the border is not cut there.
-            let (is_first, is_last) = (k == 0 && !is_ring, k + 2 == line.len() && !is_ring);
             let Some([from, to]) = self.inside(a, b) else {
-                pieces.extend(open.take());
+                pieces.extend(open.take().map(cut_off));
                 continue;
             };
-            let (enters, leaves) = (from > 0.0, to < 1.0 || !self.holds(b));
+            let enters = from > 0.0;
             let mut piece = match open.take() {
                 Some(piece) if !enters => piece,
                 earlier => {
-                    pieces.extend(earlier);
-                    let is_cut = enters || (!is_first && !self.holds(a));
-                    Piece { points: vec![if enters { self.at(a, b, from) } else { a }], cut: [is_cut, false] }
+                    pieces.extend(earlier.map(cut_off));
+                    // What does not begin with the line begins where it was cut.
+                    Piece { points: vec![if enters { self.at(a, b, from) } else { a }], cut: [enters || k > 0, false] }
                 }
             };
             let end = if to < 1.0 { self.at(a, b, to) } else { b };
             if piece.points.last() != Some(&end) {
                 piece.points.push(end);
             }
-            if leaves {
-                piece.cut[1] = to < 1.0 || !is_last;
-                pieces.push(piece);
-            } else {
-                open = Some(piece);
-            }
+            let is_last = k + 2 == line.len();
+            if to < 1.0 || (!is_last && !self.holds(b)) { pieces.push(cut_off(piece)) } else { open = Some(piece) }
         }
         pieces.extend(open);
-        if let [first, .., last] = pieces.as_mut_slice()
-            && is_ring
-            && !first.cut[0]
-            && !last.cut[1]
-        {
+        if line.len() > 3 && line.first() == line.last() {
+            close(&mut pieces);
+        }
+        pieces.retain(|piece| piece.points.len() > 1);
+        pieces
+    }
+}
+
+/// Joins the first and the last piece of a ring where they meet in its first point. If only one of them is there, it is cut there.
+fn close(pieces: &mut Vec<Piece>) {
+    let begins = pieces.first().is_some_and(|piece| !piece.cut[0]);
+    let ends = pieces.last().is_some_and(|piece| !piece.cut[1]);
+    match pieces.as_mut_slice() {
+        [first, .., last] if begins && ends => {
             let head = std::mem::replace(first, Piece { points: Vec::new(), cut: [false; 2] });
             last.points.extend(&head.points[1..]);
             last.cut[1] = head.cut[1];
             pieces.remove(0);
         }
-        pieces.retain(|piece| piece.points.len() > 1);
-        pieces
+        [first, ..] if begins && !ends => first.cut[0] = true,
+        [.., last] if ends && !begins => last.cut[1] = true,
+        _ => {}
     }
 }
 
@@ -163,5 +167,18 @@ mod tests {
         let east = Tile::new([10.0, 0.0, 20.0, 10.0]);
         assert_eq!(tile().pieces(&straight), [Piece { points: line(&[(5.0, 5.0), (10.0, 5.0)]), cut: [false, true] }]);
         assert_eq!(east.pieces(&straight), [Piece { points: line(&[(10.0, 5.0), (12.0, 5.0)]), cut: [true, false] }]);
+        let back: Vec<DVec2> = straight.into_iter().rev().collect();
+        assert_eq!(tile().pieces(&back), [Piece { points: line(&[(10.0, 5.0), (5.0, 5.0)]), cut: [true, false] }]);
+        assert_eq!(east.pieces(&back), [Piece { points: line(&[(12.0, 5.0), (10.0, 5.0)]), cut: [false, true] }]);
+        // A ring whose first point is on the seam.
+        let ring = line(&[(10.0, 5.0), (12.0, 5.0), (12.0, 7.0), (8.0, 7.0), (10.0, 5.0)]);
+        for tile in [tile(), east] {
+            let pieces = tile.pieces(&ring);
+            assert_eq!((pieces.len(), pieces[0].cut), (1, [true; 2]), "{pieces:?}");
+        }
+        // An open line that ends on the seam is not cut there.
+        let ended = line(&[(5.0, 5.0), (10.0, 5.0)]);
+        assert_eq!(tile().pieces(&ended), [Piece { points: ended.clone(), cut: [false; 2] }]);
+        assert!(east.pieces(&ended).is_empty());
     }
 }

@@ -10,6 +10,10 @@ use super::stored;
 
 /// The folder in it with the files of the tiles.
 pub(super) const TILES: &str = "tiles";
+/// The kinds of files in it: the lines around a tile, its heights, and what else its task found.
+pub(super) const INPUT: &str = "lines";
+pub(super) const HEIGHTS: &str = "heights";
+pub(super) const RESULT: &str = "result";
 /// The file with all lines of the map.
 pub(super) const LINES: &str = "lines.bin";
 
@@ -62,6 +66,12 @@ impl Folder {
     /// The path of a file of the plan.
     pub(super) fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
+    }
+
+    /// The path of a result of a task, of some kind.
+    pub(super) fn result(&self, task: &Task, kind: &str) -> Option<PathBuf> {
+        let is_it = |name: &&String| Path::new(name).extension().is_some_and(|own| own == kind);
+        task.outputs.iter().find(is_it).map(|name| self.file(name))
     }
 
     /// The task of a name.

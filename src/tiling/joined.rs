@@ -13,7 +13,7 @@ use super::bytes::In;
 use super::chains::{Chains, chains};
 use super::cut::Piece;
 use super::findings::{Stored, once};
-use super::folder::{Folder, LINES};
+use super::folder::{Folder, LINES, RESULT};
 use super::manifest::Levels;
 use super::result::TileResult;
 use super::stored;
@@ -49,8 +49,7 @@ pub fn joined_lines(folder: &Folder, progress: &dyn Progress) -> Result<Joined> 
         let mut results = Vec::with_capacity(manifest.tasks.len());
         for task in &manifest.tasks {
             let source = manifest.source(task)?;
-            for name in task.outputs.iter().filter(|name| name.ends_with(".result")) {
-                let file = folder.file(name);
+            if let Some(file) = folder.result(task, RESULT) {
                 let bytes = stored::read(&file, source, "'tokosen work' does the task again")?;
                 results.push(TileResult::decode(&bytes, &file)?);
             }

@@ -25,8 +25,6 @@ mod plan;
 mod result;
 mod squares;
 mod stored;
-#[cfg(test)]
-mod tests;
 mod work;
 
 pub use folder::Folder;

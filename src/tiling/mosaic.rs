@@ -10,7 +10,8 @@ use tokosen_core::crs::Crs;
 use tokosen_core::raster::RasterRows;
 
 use super::divide::Block;
-use super::folder::Folder;
+use super::folder::{Folder, HEIGHTS};
+use super::manifest::Task;
 use super::stored::HEADER;
 
 /// The height map of a plan. Rows are read from the files of the tiles when they are needed.
@@ -32,11 +33,8 @@ impl Mosaic {
             return Err(Error::Parameter("this plan has no height map".into()));
         };
         folder.check_done()?;
-        let heights = |name: &&String| name.ends_with(".heights");
-        let tiles = folder.manifest.tasks.iter().filter_map(|task| {
-            let name = task.outputs.iter().find(heights)?;
-            Some((task.cells?, folder.file(name)))
-        });
+        let heights = |task: &Task| Some((task.cells?, folder.result(task, HEIGHTS)?));
+        let tiles = folder.manifest.tasks.iter().filter_map(heights);
         Ok(Self { grid, crs: shared.working_crs.clone(), tiles: tiles.collect() })
     }
 

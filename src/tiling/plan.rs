@@ -1,6 +1,7 @@
 //! The plan: the map is read, its figures are taken, and it is cut into tiles.
 
-use std::path::Path;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 use geo::{BooleanOps, MultiPolygon, Rect};
 use glam::DVec2;
@@ -14,7 +15,7 @@ use tokosen_core::spline::bytes_on;
 use super::bytes::Out;
 use super::divide::{Block, divide};
 use super::findings::Stored;
-use super::folder::{Folder, LINES, TILES};
+use super::folder::{Folder, HEIGHTS, INPUT, LINES, RESULT, TILES};
 use super::manifest::{Levels, Manifest, Shared, StoredGround, Task};
 use super::pieces::{Window, boxes, encode};
 use super::squares::Squares;
@@ -85,8 +86,28 @@ pub fn plan(
         }
         manifest.tasks = tasks(&input.map, &planned, params, folder)?;
         Folder::store(folder, &manifest)?;
+        remove_others(folder, &manifest)?;
         Ok(manifest)
     })
+}
+
+/// Removes the files of tiles of a former plan that the new one does not have.
+fn remove_others(folder: &Path, manifest: &Manifest) -> Result<()> {
+    let tiles = folder.join(TILES);
+    let named: HashSet<PathBuf> = manifest
+        .tasks
+        .iter()
+        .flat_map(|task| task.inputs.iter().chain(&task.outputs))
+        .map(|name| folder.join(name))
+        .collect();
+    let entries = std::fs::read_dir(&tiles).map_err(|e| Error::io("read", &tiles, e))?;
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| !named.contains(path)) {
+        let is_ours = path.extension().is_some_and(|kind| [INPUT, HEIGHTS, RESULT].iter().any(|own| kind == *own));
+        if is_ours && path.is_file() {
+            std::fs::remove_file(&path).map_err(|e| Error::io("remove the outdated", &path, e))?;
+        }
+    }
+    Ok(())
 }
 
 /// All lines with the coordinates that they have in the input.
@@ -131,14 +152,14 @@ fn tasks(map: &ContourMap, planned: &Planned, params: &PlanParams, folder: &Path
         let window = squares.window(lo, hi);
         let (bytes, vertices) = encode(map, &boxes, &Window::new(window));
         let name = |kind: &str| format!("{TILES}/{id}.{kind}");
-        let input = name("lines");
+        let input = name(INPUT);
         let checksum = stored::write(&folder.join(&input), 0, &bytes)?;
-        let heights = planned.cells.is_some().then(|| name("heights"));
+        let heights = planned.cells.is_some().then(|| name(HEIGHTS));
         let [from, to] = window;
         Ok(Task {
             needs: Vec::new(),
             inputs: vec![input],
-            outputs: std::iter::once(name("result")).chain(heights).collect(),
+            outputs: std::iter::once(name(RESULT)).chain(heights).collect(),
             checksum: format!("{checksum:016x}"),
             vertices,
             tile: [lo.x, lo.y, hi.x, hi.y],

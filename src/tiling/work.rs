@@ -11,7 +11,7 @@ use tokosen_core::tin::NONE;
 
 use super::cut::Tile;
 use super::divide::Block;
-use super::folder::Folder;
+use super::folder::{Folder, HEIGHTS, RESULT};
 use super::manifest::{Levels, Task};
 use super::pieces::Around;
 use super::result::{LinePiece, TileLayer, TileResult};
@@ -71,17 +71,14 @@ pub fn work(folder: &Folder, task: &Task, memory: Option<u64>, progress: &dyn Pr
             result.layers = new_lines(&surface, levels, &core, (shared.unit, tolerance, memory), progress)?;
         }
     }
-    // The result is last: a task whose heights are missing is not done.
-    for name in task.outputs.iter().rev() {
-        let content = match name.ends_with(".heights") {
-            true => {
-                let cells = task.cells.map_or(0, |cells| cells.cols * cells.rows);
-                let values = heights.take().unwrap_or_else(|| vec![f32::NAN; cells]);
-                values.iter().flat_map(|value| value.to_le_bytes()).collect()
-            }
-            false => result.encode()?,
-        };
-        stored::write(&folder.file(name), source, &content)?;
+    if let (Some(file), Some(cells)) = (folder.result(task, HEIGHTS), task.cells) {
+        // A tile without contours around it has no heights.
+        let values = heights.unwrap_or_else(|| vec![f32::NAN; cells.cols * cells.rows]);
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        stored::write(&file, source, &bytes)?;
+    }
+    if let Some(file) = folder.result(task, RESULT) {
+        stored::write(&file, source, &result.encode()?)?;
     }
     Ok(Work::Done)
 }

@@ -12,6 +12,7 @@ use tokosen::io::{ReadOptions, read_contours};
 use tokosen::raster::Dem;
 
 use crate::common::{Folder, crossings};
+use crate::guide_pages::{commands, run};
 use crate::running::{Running, folder_with, folder_with_part};
 
 fn heights(folder: &Folder, name: &str) -> Dem {
@@ -46,7 +47,8 @@ fn new_lines(map: &ContourMap, input: &ContourMap) -> (BTreeMap<i64, usize>, Vec
 fn tiles_of_two_sizes_give_the_terrain_of_an_untiled_run() {
     let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 10 --cell 20 --dem whole.tif -o whole.gpkg");
-    let (untiled, untiled_lines, input) = (heights(&folder, "whole.tif"), lines(&folder, "whole.gpkg"), lines(&folder, "in.gpkg"));
+    let (untiled, untiled_lines, input) =
+        (heights(&folder, "whole.tif"), lines(&folder, "whole.gpkg"), lines(&folder, "in.gpkg"));
     let (counts, ends) = new_lines(&untiled_lines, &input);
     for (size, least) in [(4000, 2), (1700, 8)] {
         let said = folder.succeeds(&format!("plan in.gpkg -i 10 --cell 20 --tile-size {size} -o plan{size}"));
@@ -69,14 +71,18 @@ fn tiles_of_two_sizes_give_the_terrain_of_an_untiled_run() {
         assert!(most < 0.2 && rms < 0.02, "{size}: {most} m, {rms} m, of an interval of 20 m");
         let dense = lines(&folder, &format!("dense{size}.gpkg"));
         let as_text = |map: &ContourMap| {
-            let mut all: Vec<String> = map.contours.iter().map(|line| format!("{} {:?}", line.elevation, line.points)).collect();
+            let mut all: Vec<String> =
+                map.contours.iter().map(|line| format!("{} {:?}", line.elevation, line.points)).collect();
             all.sort();
             all
         };
         let of_input: Vec<String> = as_text(&input);
         let (of_tiles, of_whole) = (as_text(&dense), as_text(&untiled_lines));
         let kept = |all: &[String]| all.iter().filter(|line| of_whole.binary_search(line).is_ok()).count();
-        assert!(kept(&of_tiles) >= of_input.len(), "{size}: contours of the input come back vertex for vertex, turned as untiled");
+        assert!(
+            kept(&of_tiles) >= of_input.len(),
+            "{size}: contours of the input come back vertex for vertex, turned as untiled"
+        );
         let (its_counts, its_ends) = new_lines(&dense, &input);
         assert_eq!(its_counts, counts, "{size}: as many lines of each level");
         for end in its_ends {
@@ -146,7 +152,7 @@ fn what_is_no_plan_and_what_tiles_cannot_take_is_refused() {
         ("plan in.geojson -i 2 -o plan --streams in.geojson", "--extent"),
         ("plan in.geojson -i 2 -o plan --strict", "tokosen check"),
         ("plan in.geojson -i -2 -o plan", "more than 0"),
-        ("plan in.geojson -i 2 -o plan --tile-size 0", "--tile-size is 0"),
+        ("plan in.geojson -i 2 -o plan --tile-size 0", "it must be more than 0"),
         ("plan in.geojson -i 2 -o plan --memory some", "4G"),
         ("plan in.geojson --cell 0.001 -o plan --memory 60M", "memory"),
     ] {
@@ -179,6 +185,29 @@ fn what_is_no_plan_and_what_tiles_cannot_take_is_refused() {
 }
 
 #[test]
+fn what_is_wrong_with_sheets_is_reported_by_the_plan_and_by_the_join() {
+    let folder = folder_with_part("a.gpkg");
+    folder.succeeds("densify a.gpkg -i 20 -o b.gpkg --to-crs EPSG:4326");
+    for (sheets, words) in [("a.gpkg a.gpkg", "duplicate"), ("a.gpkg b.gpkg", "transformed to")] {
+        let planned = folder.succeeds(&format!("plan {sheets} --cell 50 -o plan --surface linear"));
+        assert!(planned.contains(words), "{planned}");
+        folder.succeeds("work plan");
+        let joined = folder.succeeds("join plan --dem dem.tif --overwrite");
+        assert!(joined.contains(words), "{joined}");
+    }
+}
+
+#[test]
+fn the_commands_of_the_guide_work() {
+    let folder = folder_with_part("contours.gpkg");
+    for command in commands(include_str!("../../src/guide/countries.md")) {
+        run(&folder, command);
+    }
+    let joined = heights(&folder, "joined.tif");
+    assert!(joined.values.iter().any(|height| height.is_finite()));
+}
+
+#[test]
 fn maps_in_degrees_and_feet_come_back_in_them() {
     let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 20 -o degrees.gpkg --to-crs EPSG:4326");
@@ -186,7 +215,8 @@ fn maps_in_degrees_and_feet_come_back_in_them() {
     folder.succeeds("plan degrees.gpkg -i 10 --tile-size 2500 -o plan");
     folder.succeeds("work plan");
     folder.succeeds("join plan -o dense.gpkg");
-    let (input, dense, whole) = (lines(&folder, "degrees.gpkg"), lines(&folder, "dense.gpkg"), lines(&folder, "whole.gpkg"));
+    let (input, dense, whole) =
+        (lines(&folder, "degrees.gpkg"), lines(&folder, "dense.gpkg"), lines(&folder, "whole.gpkg"));
     assert_eq!(dense.crs, whole.crs);
     let bits = |map: &ContourMap| -> std::collections::HashSet<[u64; 2]> {
         map.contours.iter().flat_map(|c| &c.points).map(|p| p.to_array().map(f64::to_bits)).collect()

@@ -1,1 +1,0 @@
-//! Tiles give the terrain of an untiled run.
