@@ -13,7 +13,7 @@ use tokosen_core::crs::Reprojection;
 use tokosen_core::spline::bytes_on;
 
 use super::bytes::Out;
-use super::divide::{Block, divide};
+use super::divide::{Block, STEP, divide};
 use super::findings::Stored;
 use super::folder::{Folder, HEIGHTS, INPUT, LINES, RESULT, TILES};
 use super::manifest::{Levels, Manifest, Shared, StoredGround, Task};
@@ -28,6 +28,8 @@ const BYTES_PER_VERTEX: f64 = 700.0;
 const BYTES_PER_CELL: f64 = 12.0;
 /// Bytes of memory per node of the working grid in its window, if new contours are wanted: the nodes are triangulated.
 const BYTES_PER_TRIANGULATED_NODE: f64 = 500.0;
+/// Most tiles. Each reads a window many times its size if tiles are small.
+const MOST_TILES: f64 = 1e5;
 /// Bytes of memory of a task without any map.
 const BYTES_OF_PROGRAM: f64 = 50e6;
 
@@ -129,15 +131,9 @@ fn tasks(map: &ContourMap, planned: &Planned, params: &PlanParams, folder: &Path
     let grid = planned.cells.unwrap_or(planned.whole.grid);
     let size = Size { squares: &squares, grid: &grid, planned, params };
     let all = Block { col: 0, row: 0, cols: grid.cols, rows: grid.rows };
+    size.check(&all)?;
     let blocks = divide(all, &|block| size.fits(block));
-    if let Some(large) = blocks.iter().find(|block| params.memory.is_some_and(|most| size.bytes(block) > most as f64)) {
-        let message = format!(
-            "the smallest possible tile takes about {:.0} MB of memory, more than a task may take: allow more memory, or choose a \
-             larger cell",
-            size.bytes(large) / 1e6
-        );
-        return Err(Error::Parameter(message));
-    }
+    blocks.iter().try_for_each(|block| size.check_memory(block))?;
     let (boxes, ground) = (boxes(map), planned.ground.area());
     let on_ground = |block: &Block| {
         let [lo, hi] = box_of(&grid, block);
@@ -196,6 +192,35 @@ impl Size<'_> {
         let side = (block.cols as f64 * self.grid.cell.x).max(block.rows as f64 * self.grid.cell.y);
         self.params.tile_size.is_none_or(|most| side <= most * (1.0 + 1e-9))
             && self.params.memory.is_none_or(|most| self.bytes(block) <= most as f64)
+    }
+
+    /// Refuses sizes that give far too many tiles, before they are cut.
+    fn check(&self, all: &Block) -> Result<()> {
+        let [west, north] = [all.cols / 2, all.rows / 2].map(|middle| middle - middle % STEP);
+        let smallest =
+            Block { col: west, row: north, cols: STEP.min(all.cols - west), rows: STEP.min(all.rows - north) };
+        self.check_memory(&smallest)?;
+        let side = self.grid.cell * STEP as f64;
+        let side = self.params.tile_size.map_or(side, |size| side.max(DVec2::splat(size)));
+        let tiles = (self.grid.cell * DVec2::new(all.cols as f64, all.rows as f64) / side).element_product();
+        match self.params.tile_size.filter(|_| tiles > MOST_TILES) {
+            Some(size) => Err(Error::Parameter(format!(
+                "tiles of {size} on this map are {tiles:.0} tasks or more: choose a larger size of tiles"
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn check_memory(&self, block: &Block) -> Result<()> {
+        let bytes = self.bytes(block);
+        match self.params.memory.filter(|most| bytes > *most as f64) {
+            Some(_) => Err(Error::Parameter(format!(
+                "the smallest possible tile takes about {:.0} MB of memory, more than a task may take: allow more memory, or \
+                 choose a larger cell",
+                bytes / 1e6
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// About how much memory the task of a tile takes.
