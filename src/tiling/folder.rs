@@ -1,5 +1,6 @@
 //! The folder of a plan.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use tokosen_core::base::error::{Error, Result};
@@ -16,6 +17,11 @@ pub(super) const HEIGHTS: &str = "heights";
 pub(super) const RESULT: &str = "result";
 /// The file with all lines of the map.
 pub(super) const LINES: &str = "lines.bin";
+
+/// Whether a name is that of the hidden folder of an unfinished output.
+fn is_unfinished(name: &OsStr) -> bool {
+    name.to_string_lossy().starts_with(".tokosen-")
+}
 
 /// The folder of a plan, with its manifest.
 #[derive(Debug, Clone)]
@@ -46,8 +52,11 @@ impl Folder {
     pub(super) fn make(path: &Path) -> Result<()> {
         let failed = |e| Error::io("create", path, e);
         if path.is_dir() {
+            // A plan that failed leaves some of its files.
+            let is_other = |name: &OsStr| ![TILES, LINES].iter().any(|own| name == *own) && !is_unfinished(name);
             let mut entries = std::fs::read_dir(path).map_err(|e| Error::io("read", path, e))?;
-            if !path.join(NAME).exists() && entries.next().is_some() {
+            let has_others = entries.any(|entry| entry.is_ok_and(|entry| is_other(&entry.file_name())));
+            if !path.join(NAME).exists() && has_others {
                 return Err(Error::file(path, "holds other files; name a new folder for the plan"));
             }
         }
