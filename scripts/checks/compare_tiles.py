@@ -45,6 +45,12 @@ def lines(path):
     return given, new, ends
 
 
+def nearest(end, others):
+    """The distance from the end of a line to the nearest end of a line of its level."""
+    level, place = end
+    return min((np.hypot(place[0] - p[0], place[1] - p[1]) for z, p in others if z == level), default=np.inf)
+
+
 def shade(values, cell):
     dy, dx = np.gradient(values, cell)
     slope, aspect = np.arctan(np.hypot(dx, dy)), np.arctan2(-dx, dy)
@@ -77,7 +83,7 @@ def main():
         for size in map(float, asked.sizes.split(",")):
             plan, dem, dense = folder / f"plan{size}", folder / "tiled.tif", folder / "tiled.gpkg"
             step = ["-i", asked.step] if asked.step else []
-            of_plan, text = run(asked.program, "plan", asked.contours, "--cell", asked.cell, *step, "--tile-size", size, "-o", plan)
+            of_plan, text = run(asked.program, "plan", asked.contours, "--cell", asked.cell, *step, "--tile-side", size, "-o", plan)
             tiles = text.split(" tiles;")[0].split()[-1]
             of_work, _ = run(asked.program, "work", plan, "--jobs", asked.jobs)
             output = ["-o", dense] if asked.step else []
@@ -95,13 +101,12 @@ def main():
             )
             if asked.step:
                 its_given, its_new, its_ends = lines(dense)
-                places = {(z, tuple(np.round(p[:2], 3))) for z, p in ends}
-                other = [end for end in its_ends if (end[0], tuple(np.round(end[1][:2], 3))) not in places]
+                moved = [nearest(end, ends) for end in its_ends]
                 print(
                     f"    input lines the same: {its_given == given}; new {len(its_new)} (untiled {len(new)}); "
-                    f"open ends {len(its_ends)} (untiled {len(ends)}), elsewhere {len(other)}"
+                    f"open ends {len(its_ends)} (untiled {len(ends)}), further than a cell from one of those {sum(d > asked.cell for d in moved)}"
                 )
-                print("    " + "\n    ".join(line for line in text.splitlines() if "seam" in line))
+                print("    " + "\n    ".join(line for line in text.splitlines() if "seam" in line or "of a tile" in line))
         if asked.picture:
             import matplotlib.pyplot as plt
 

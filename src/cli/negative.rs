@@ -123,7 +123,7 @@ mod tests {
         ("--threads", "-1", Refused),
         ("--zooms", "-1:5", Refused),
         ("--max-zoom", "-1", Refused),
-        ("--tile-size", "-1", Refused),
+        ("--tile-side", "-1", Refused),
         ("--jobs", "-1", Refused),
     ];
 

@@ -59,7 +59,7 @@ pub struct PlanArgs {
     to_unit: ToUnitArgs,
     /// Largest side of a tile [units of the working CRS; default: as --memory allows]
     #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Tiles")]
-    tile_size: Option<f64>,
+    tile_side: Option<f64>,
     /// Memory that a task may take, such as 4G or 800M. Tiles are cut so that their tasks fit
     #[arg(long, value_name = "BYTES", value_parser = bytes, default_value = "4G", help_heading = "Tiles")]
     memory: u64,
@@ -128,7 +128,7 @@ pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
     let params = PlanParams {
         levels: Some(levels).filter(|levels| !levels.targets.is_empty()),
         unit,
-        tile_size: args.tile_size,
+        tile_side: args.tile_side,
         memory: Some(args.memory),
     };
     let manifest = plan(&mut input, &options, &params, &args.output, console)

@@ -41,7 +41,7 @@ pub struct PlanParams {
     /// The unit of these levels, and of the heights that are written. In memory heights are metres.
     pub unit: ElevationUnit,
     /// Largest side of a tile, map units. If `None`, only the memory counts.
-    pub tile_size: Option<f64>,
+    pub tile_side: Option<f64>,
     /// Memory that a task may take, bytes. No limit if `None`.
     pub memory: Option<u64>,
 }
@@ -59,7 +59,7 @@ pub fn plan(
     folder: &Path,
     progress: &dyn Progress,
 ) -> Result<Manifest> {
-    if let Some(size) = params.tile_size.filter(|size| !(size.is_finite() && *size > 0.0)) {
+    if let Some(size) = params.tile_side.filter(|size| !(size.is_finite() && *size > 0.0)) {
         return Err(Error::out_of_range("size of tiles", size, "more than 0"));
     }
     if options.grid.is_none() && params.levels.is_none() {
@@ -190,7 +190,7 @@ struct Size<'a> {
 impl Size<'_> {
     fn fits(&self, block: &Block) -> bool {
         let side = (block.cols as f64 * self.grid.cell.x).max(block.rows as f64 * self.grid.cell.y);
-        self.params.tile_size.is_none_or(|most| side <= most * (1.0 + 1e-9))
+        self.params.tile_side.is_none_or(|most| side <= most * (1.0 + 1e-9))
             && self.params.memory.is_none_or(|most| self.bytes(block) <= most as f64)
     }
 
@@ -201,9 +201,9 @@ impl Size<'_> {
             Block { col: west, row: north, cols: STEP.min(all.cols - west), rows: STEP.min(all.rows - north) };
         self.check_memory(&smallest)?;
         let side = self.grid.cell * STEP as f64;
-        let side = self.params.tile_size.map_or(side, |size| side.max(DVec2::splat(size)));
+        let side = self.params.tile_side.map_or(side, |size| side.max(DVec2::splat(size)));
         let tiles = (self.grid.cell * DVec2::new(all.cols as f64, all.rows as f64) / side).element_product();
-        match self.params.tile_size.filter(|_| tiles > MOST_TILES) {
+        match self.params.tile_side.filter(|_| tiles > MOST_TILES) {
             Some(size) => Err(Error::Parameter(format!(
                 "tiles of {size} on this map are {tiles:.0} tasks or more: choose a larger size of tiles"
             ))),

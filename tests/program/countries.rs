@@ -52,7 +52,7 @@ fn tiles_of_two_sizes_give_the_terrain_of_an_untiled_run() {
         (heights(&folder, "whole.tif"), lines(&folder, "whole.gpkg"), lines(&folder, "in.gpkg"));
     let (counts, ends) = new_lines(&untiled_lines, &input);
     for (size, least) in [(2000, 4), (1000, 12)] {
-        let said = folder.succeeds(&format!("plan in.gpkg -i 10 --cell 20 --tile-size {size} -o plan{size}"));
+        let said = folder.succeeds(&format!("plan in.gpkg -i 10 --cell 20 --tile-side {size} -o plan{size}"));
         folder.succeeds(&format!("work plan{size}"));
         let tiles = std::fs::read_to_string(folder.path(&format!("plan{size}/manifest.json"))).unwrap();
         assert!(tiles.matches("\"id\"").count() >= least, "{said}");
@@ -99,7 +99,7 @@ fn tiles_of_two_sizes_give_the_terrain_of_an_untiled_run() {
 #[test]
 fn files_that_are_cut_off_or_missing_are_made_again_and_the_bytes_are_the_same() {
     let folder = folder_with("fig1f_nested.geojson", "in.geojson");
-    folder.succeeds("plan in.geojson -i 2 --cell 10 --tile-size 600 -o plan");
+    folder.succeeds("plan in.geojson -i 2 --cell 10 --tile-side 600 -o plan");
     folder.succeeds("work plan");
     let first = results(&folder, "plan");
     assert!(first.len() >= 12, "{:?}", first.keys());
@@ -136,11 +136,11 @@ fn files_that_are_cut_off_or_missing_are_made_again_and_the_bytes_are_the_same()
     assert!(said.contains(&input) && said.contains("make the plan again"), "{said}");
     let said = folder.ends("work plan --jobs 2", 1);
     assert!(said.contains("these tasks failed: ") && said.contains("goes on with those that are left"), "{said}");
-    folder.succeeds("plan in.geojson -i 2 --cell 10 --tile-size 600 -o plan");
+    folder.succeeds("plan in.geojson -i 2 --cell 10 --tile-side 600 -o plan");
     let said = folder.succeeds("work plan");
     assert_eq!(said.matches(" done, ").count(), 1, "results that belong to the new plan are kept: {said}");
     // Another plan in the same folder makes its own results.
-    folder.succeeds("plan in.geojson -i 1 --cell 10 --tile-size 600 -o plan");
+    folder.succeeds("plan in.geojson -i 1 --cell 10 --tile-side 600 -o plan");
     assert!(folder.ends("join plan -o third.geojson", 1).contains("are not done"));
 }
 
@@ -153,10 +153,10 @@ fn what_is_no_plan_and_what_tiles_cannot_take_is_refused() {
         ("plan in.geojson -i 2 -o plan --streams in.geojson", "--extent"),
         ("plan in.geojson -i 2 -o plan --strict", "tokosen check"),
         ("plan in.geojson -i -2 -o plan", "more than 0"),
-        ("plan in.geojson -i 2 -o plan --tile-size 0", "it must be more than 0"),
+        ("plan in.geojson -i 2 -o plan --tile-side 0", "it must be more than 0"),
         ("plan in.geojson -i 2 -o plan --memory some", "4G"),
         ("plan in.geojson --cell 10 -o plan --memory 10M", "the smallest possible tile takes about"),
-        ("plan in.geojson --cell 0.1 -o plan --tile-size 0.5", "choose a larger size of tiles"),
+        ("plan in.geojson --cell 0.1 -o plan --tile-side 0.5", "choose a larger size of tiles"),
     ] {
         let said = folder.ends(line, 2);
         assert!(said.contains(words), "{line}: {said}");
@@ -166,7 +166,7 @@ fn what_is_no_plan_and_what_tiles_cannot_take_is_refused() {
     assert!(folder.ends("plan in.geojson -i 2 -o other", 1).contains("holds other files"));
     assert!(folder.ends("work other", 1).contains("holds no plan"));
     assert!(folder.ends("work nowhere", 1).contains("nowhere"));
-    folder.succeeds("plan in.geojson -i 2 --tile-size 600 -o plan");
+    folder.succeeds("plan in.geojson -i 2 --tile-side 600 -o plan");
     assert!(folder.ends("work plan --task t99", 2).contains("the plan has no task t99; its tasks are t"));
     assert!(folder.ends("join plan -o a.geojson --dem a.tif", 2).contains("does not have a height map"));
     assert!(folder.ends("join plan -o a.geojson", 1).contains("are not done"));
@@ -214,7 +214,7 @@ fn maps_in_degrees_and_feet_come_back_in_them() {
     let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 20 -o degrees.gpkg --to-crs EPSG:4326");
     folder.succeeds("densify degrees.gpkg -i 10 -o whole.gpkg --surface skeleton");
-    folder.succeeds("plan degrees.gpkg -i 10 --tile-size 3500 -o plan --surface skeleton");
+    folder.succeeds("plan degrees.gpkg -i 10 --tile-side 3500 -o plan --surface skeleton");
     folder.succeeds("work plan");
     folder.succeeds("join plan -o dense.gpkg");
     let (input, dense, whole) =
