@@ -15,7 +15,7 @@ use super::cut::Piece;
 use super::findings::{Stored, once};
 use super::folder::{Folder, LINES, RESULT};
 use super::manifest::Levels;
-use super::result::TileResult;
+use super::result::{LinePiece, TileResult};
 use super::stored;
 
 /// Ends at a seam that are further apart than this many mean spacings of the contours are not joined.
@@ -118,6 +118,13 @@ fn with_sides(mut lines: Vec<Contour>, results: &[TileResult], findings: &mut Ve
     lines
 }
 
+/// The new lines of a level, as pieces with the number of their tile.
+struct Level {
+    elevation: f64,
+    index: bool,
+    pieces: Vec<(usize, Piece)>,
+}
+
 /// One layer.
 fn layer(
     folder: &Folder,
@@ -138,18 +145,17 @@ fn layer(
         let index = target.is_index(whole.interval.step, folder.manifest.unit(), levels.index_every, line.elevation);
         layer.lines.push(new_line(line.elevation, line.points.clone(), Source::Input, index));
     }
-    let mut by_level: BTreeMap<u64, (f64, bool, Vec<(usize, Piece)>)> = BTreeMap::new();
+    let mut by_level: BTreeMap<u64, Level> = BTreeMap::new();
     for (tile, result) in results.iter_mut().enumerate() {
         let Some(of_tile) = result.layers.get_mut(number) else { continue };
         layer.artefact_rings += of_tile.artefact_rings;
         layer.dead_ends += of_tile.dead_ends;
-        for piece in std::mem::take(&mut of_tile.pieces) {
-            let key = piece.elevation.to_bits();
-            let level = by_level.entry(key).or_insert_with(|| (piece.elevation, piece.index, Vec::new()));
-            level.2.push((tile, piece.piece));
+        for LinePiece { elevation, index, piece } in std::mem::take(&mut of_tile.pieces) {
+            let new = || Level { elevation, index, pieces: Vec::new() };
+            by_level.entry(elevation.to_bits()).or_insert_with(new).pieces.push((tile, piece));
         }
     }
-    for (elevation, index, pieces) in by_level.into_values() {
+    for Level { elevation, index, pieces } in by_level.into_values() {
         let Chains { lines, joined: seams, furthest, left } = chains(pieces, MOST * whole.spacing);
         joined.seams += seams;
         joined.furthest = joined.furthest.max(furthest);

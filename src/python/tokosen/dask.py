@@ -14,6 +14,7 @@ running, and those whose files are whole are not done again.
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import subprocess
@@ -23,13 +24,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
+    import numpy.typing as npt
 
 _HEADER = 32
 """Bytes before the heights of a tile."""
 
 
 def _manifest(plan: str | os.PathLike[str]) -> dict[str, Any]:
-    return json.loads((Path(plan) / "manifest.json").read_text(encoding="utf-8"))
+    manifest: dict[str, Any] = json.loads((Path(plan) / "manifest.json").read_text(encoding="utf-8"))
+    return manifest
 
 
 def _work(plan: str, task: str, threads: int) -> str:
@@ -46,15 +49,20 @@ def run(plan: str | os.PathLike[str], client: Any, *, retries: int = 10, threads
 
     A task that fails is tried again `retries` times; then the error names it. Tasks that are done stay done: the same call goes on
     with the others. `threads` is the number of threads of each task.
+
+    While no worker is left, Dask waits for one. After three killed workers it gives a task up; its setting
+    `distributed.scheduler.allowed-failures` allows more.
     """
     folder = str(Path(plan).resolve())
-    futures = {}
+    futures: dict[str, Any] = {}
     for task in _manifest(plan)["tasks"]:
         needs = [futures[need] for need in task["needs"]]
         futures[task["id"]] = client.submit(
-            _after, needs, folder, task["id"], threads, key=f"tokosen-{task['id']}-{os.urandom(4).hex()}", retries=retries, pure=False
+            # A key of its own: Dask must not take the answer of a former run.
+            _after, needs, folder, task["id"], threads, key=f"tokosen-{task['id']}-{os.urandom(4).hex()}", retries=retries
         )
-    return client.gather(list(futures.values()))
+    done: list[str] = client.gather(list(futures.values()))
+    return done
 
 
 def _after(needs: list[str], plan: str, task: str, threads: int) -> str:
@@ -63,7 +71,7 @@ def _after(needs: list[str], plan: str, task: str, threads: int) -> str:
     return _work(plan, task, threads)
 
 
-def _block(plan: str, tasks: list[dict[str, Any]], rows: tuple[int, int], cols: tuple[int, int]) -> np.ndarray:
+def _block(plan: str, tasks: list[dict[str, Any]], rows: tuple[int, int], cols: tuple[int, int]) -> npt.NDArray[np.float32]:
     """Reads some cells of the height map from the files of the tiles."""
     import numpy as np
 
@@ -78,16 +86,19 @@ def _block(plan: str, tasks: list[dict[str, Any]], rows: tuple[int, int], cols: 
         name = next(name for name in task["outputs"] if name.endswith(".heights"))
         shape = (cells["rows"], cells["cols"])
         tile = np.memmap(Path(plan) / name, dtype="<f4", mode="r", offset=_HEADER, shape=shape)
-        heights[first - rows[0] : last - rows[0], west - cols[0] : east - cols[0]] = tile[first - top : last - top, west - left : east - left]
+        part = tile[first - top : last - top, west - left : east - left]
+        heights[first - rows[0] : last - rows[0], west - cols[0] : east - cols[0]] = part
     return heights
 
 
 def heights(plan: str | os.PathLike[str], chunk: int = 2048) -> Any:
     """The height map of a plan whose tasks are done, as an `xarray.DataArray` over Dask, metres. Needs dask and xarray."""
-    import dask.array
     import numpy as np
     import xarray
-    from dask import delayed
+
+    # Dask has types for a part of its functions only.
+    arrays: Any = importlib.import_module("dask.array")
+    delayed: Any = importlib.import_module("dask").delayed
 
     manifest = _manifest(plan)
     grid = manifest["shared"]["cells"]
@@ -101,9 +112,9 @@ def heights(plan: str | os.PathLike[str], chunk: int = 2048) -> Any:
         for left in range(0, cols, chunk):
             size = (min(chunk, rows - top), min(chunk, cols - left))
             block = delayed(_block)(folder, tasks, (top, top + size[0]), (left, left + size[1]))
-            band.append(dask.array.from_delayed(block, size, dtype=np.float32))
+            band.append(arrays.from_delayed(block, size, dtype=np.float32))
         bands.append(band)
     (west, north), (width, height) = grid["corner"], grid["cell"]
     x = west + (np.arange(cols) + 0.5) * width
     y = north - (np.arange(rows) + 0.5) * height
-    return xarray.DataArray(dask.array.block(bands), coords={"y": y, "x": x}, dims=("y", "x"), name="height", attrs={"units": "m"})
+    return xarray.DataArray(arrays.block(bands), coords={"y": y, "x": x}, dims=("y", "x"), name="height", attrs={"units": "m"})
