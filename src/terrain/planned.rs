@@ -3,6 +3,7 @@
 use geo::{BoundingRect, MultiPolygon, Rect};
 use glam::DVec2;
 
+use super::grid::GridSpec;
 use super::input::Input;
 use super::options::Options;
 use super::part::{Part, box_area};
@@ -92,12 +93,15 @@ pub(crate) struct TileParams {
 }
 
 impl Input {
-    /// What the tiles of a prepared map take from the whole map. The map stays in the input.
+    /// What the tiles of a map take from the whole map. Lines that were not prepared are prepared first. The map stays in the input.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for what tiles cannot take. As [`whole_map`].
+    /// [`Error::Parameter`] for what tiles cannot take. As [`Input::prepare`] and [`whole_map`].
     pub(crate) fn plan(&mut self, options: &Options, progress: &dyn Progress) -> Result<Planned> {
         self.check_plannable(options)?;
+        if !self.is_prepared {
+            self.prepare(&options.preparation, progress)?;
+        }
         let cells = options.cells(&self.reprojection)?;
         let frame = self.frame.clone();
         let params = self.surface_params(options, cells.as_ref());
@@ -120,7 +124,9 @@ impl Input {
         let is_excluded = !self.excluded.is_empty() || !excluded.is_empty();
         let has_coast = options.sea.is_some() || !self.coast.is_empty() || !coast.is_empty();
         let has_water = !(lakes.is_empty() && streams.is_empty() && river_areas.is_empty() && sinks.is_empty());
+        let is_elsewhere = !matches!(options.grid, None | Some(GridSpec::Cell(_)));
         let what = [
+            (is_elsewhere, "cells of another grid than square ones in the working CRS: warp the joined height map"),
             (self.part.is_some(), "a part of the map: tiles cover the whole map, so cut the contours first"),
             (self.base.is_some(), "a base height map: fill the joined height map afterwards"),
             (is_excluded, "excluded parts: cut the joined results afterwards"),

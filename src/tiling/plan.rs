@@ -46,7 +46,7 @@ pub struct PlanParams {
     pub memory: Option<u64>,
 }
 
-/// Cuts the map of a prepared input into tiles, and writes the plan into a folder. The height map is that of the options, if they have
+/// Cuts the map of an input into tiles, and writes the plan into a folder. The height map is that of the options, if they have
 /// a grid. The map and the findings stay in the input.
 ///
 /// # Errors
