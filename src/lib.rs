@@ -146,6 +146,8 @@ extern crate self as tokosen;
 pub mod cli;
 pub mod guide;
 pub mod terrain;
+#[cfg(feature = "io")]
+pub mod tiling;
 
 #[doc(inline)]
 pub use tokosen_core::{

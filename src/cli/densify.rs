@@ -287,7 +287,8 @@ fn finest(layers: &[ContourLayer]) -> &[ContourLine] {
     layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
 }
 
-fn describe(path: Option<&PathBuf>, layer: &ContourLayer, back: &FromWorking, console: &Console) {
+/// One line of the summary about a layer.
+pub fn describe(path: Option<&PathBuf>, layer: &ContourLayer, back: &FromWorking, console: &Console) {
     let new = layer.lines.iter().filter(|l| l.source == Source::Interpolated).count();
     let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
     let artefact_rings = match layer.artefact_rings {

@@ -22,6 +22,7 @@ mod hints;
 mod input;
 mod interrupt;
 mod job;
+mod join;
 mod labels;
 mod levels;
 mod light;
@@ -33,6 +34,7 @@ mod outlets;
 mod output;
 mod part;
 mod places;
+mod plan;
 mod plane;
 mod progress;
 mod regions;
@@ -45,6 +47,7 @@ mod surface;
 mod terrain_tiles;
 mod tiles;
 mod unit;
+mod work;
 mod zooms;
 
 use std::ffi::OsString;
@@ -83,6 +86,7 @@ Examples:
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
   tokosen dem contours.gpkg --cell 10 -o dem.tif --save-run run.json
   tokosen --run run.json
+  tokosen plan country/*.gpkg -i 2 --cell 5 -o plan && tokosen work plan --jobs 4 && tokosen join plan -o dense.gpkg
 
 'tokosen VERB -h' shows the usual options of a verb, 'tokosen VERB --help' all of them.";
 
@@ -97,6 +101,9 @@ enum Verb {
     Check(Box<check::CheckArgs>),
     Regions(Box<regions::RegionsArgs>),
     Skeleton(Box<skeleton::SkeletonArgs>),
+    Plan(Box<plan::PlanArgs>),
+    Work(Box<work::WorkArgs>),
+    Join(Box<join::JoinArgs>),
 }
 
 /// Options that every verb has.
@@ -224,6 +231,9 @@ impl Verb {
             Self::Check(args) => check::run(args, console),
             Self::Regions(args) => regions::run(args, console),
             Self::Skeleton(args) => skeleton::run(args, console),
+            Self::Plan(args) => plan::run(args, console),
+            Self::Work(args) => work::run(args, console),
+            Self::Join(args) => join::run(args, console),
         }
     }
 }

@@ -123,6 +123,8 @@ mod tests {
         ("--threads", "-1", Refused),
         ("--zooms", "-1:5", Refused),
         ("--max-zoom", "-1", Refused),
+        ("--tile-side", "-1", Refused),
+        ("--jobs", "-1", Refused),
     ];
 
     fn words(verb: &str, given: &[&str]) -> Vec<OsString> {
@@ -179,7 +181,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 140;
+    const CASES: usize = 163;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

@@ -20,9 +20,11 @@ mod lengths;
 mod measure;
 mod options;
 mod outline;
-mod part;
+pub(crate) mod part;
 mod places;
 mod plane;
+#[cfg(feature = "io")]
+mod planned;
 mod plausible;
 mod preparation;
 mod prepare;
@@ -57,6 +59,8 @@ pub use options::Options;
 #[cfg(feature = "io")]
 pub use places::read_places_in;
 pub use places::{Outlets, Place, flood_source};
+#[cfg(feature = "io")]
+pub(crate) use planned::{Ground, Planned, TileParams, tile_surface};
 pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
 #[cfg(feature = "draw")]

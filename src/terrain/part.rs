@@ -16,13 +16,13 @@ use tokosen_core::geometry::common_area;
 use tokosen_core::subdomains::{Frame, frame_ring};
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
-const SPACINGS: f64 = 20.0;
+pub(crate) const SPACINGS: f64 = 20.0;
 /// Its least width beyond the part, as a share of the part's longer side.
-const SHARE: f64 = 0.1;
+pub(crate) const SHARE: f64 = 0.1;
 /// Levels that a window has, if the map has them: fewer do not show the interval.
-const LEVELS: usize = 4;
+pub(crate) const LEVELS: usize = 4;
 /// Growth of a window that is too small.
-const GROWTH: f64 = 1.6;
+pub(crate) const GROWTH: f64 = 1.6;
 
 /// A part of a map, on the working plane.
 #[derive(Debug, Clone)]
@@ -80,6 +80,12 @@ impl Part {
         let [hull, boxed] = [Frame::Hull, Frame::Box].map(|frame| frame_ring(map, &frame).area);
         let [inner, whole] = on_map(&area, &boxed)?;
         Ok(Self { window: window(map, &inner, &whole), area, hull, boxed })
+    }
+
+    /// A part whose window was chosen before. `ground` is the area inside the frame of the whole map.
+    #[cfg(feature = "io")]
+    pub(super) fn with_window(area: MultiPolygon<f64>, window: Rect<f64>, ground: MultiPolygon<f64>) -> Self {
+        Self { area, window, hull: ground.clone(), boxed: ground }
     }
 
     /// Leaves out what does not meet the window.

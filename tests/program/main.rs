@@ -10,6 +10,7 @@ mod coast;
 mod compare;
 mod contour;
 mod coordinates;
+mod countries;
 mod derive;
 mod districts;
 mod drain;

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 /// A raster's placement: north is up, row 0 is the northernmost, column 0 the westernmost.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Grid {
     /// Outer corner of the north-west cell, map units.
     pub corner: DVec2,

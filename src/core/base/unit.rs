@@ -1,7 +1,7 @@
 //! Units of elevations. Inside they are metres; inputs and outputs may be in feet.
 
 /// A unit that elevations may be in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
 pub enum ElevationUnit {
     /// Metres.
     #[default]

@@ -14,7 +14,7 @@ const ON_LEVEL: f64 = 1e-6;
 const MAX_DECIMALS: i32 = 9;
 
 /// The vertical (contour) interval of a map: its levels are `base + k * step` for whole numbers k.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Interval {
     /// Height between neighbouring levels, metres, positive.
     pub step: f64,

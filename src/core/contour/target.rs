@@ -8,7 +8,7 @@ use crate::base::error::{Error, Result};
 const MOST_LEVELS: f64 = 1e6;
 
 /// The levels of one output layer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Target {
     /// Every level `base + k * step`, in metres or in the unit that the layers ask for.
     Interval {
@@ -71,7 +71,7 @@ impl Target {
 
     /// Whether a level is a whole multiple of `every` steps. For a list of levels, the step is the contour interval of the
     /// input, or what the caller takes for it.
-    pub(crate) fn is_index(&self, interval: f64, unit: ElevationUnit, every: u32, level: f64) -> bool {
+    pub fn is_index(&self, interval: f64, unit: ElevationUnit, every: u32, level: f64) -> bool {
         let (step, base, level) = match self {
             Self::Interval { step, base } => (*step, *base, unit.about(level)),
             Self::Levels(_) => (interval, 0.0, level),

@@ -10,7 +10,7 @@ use crate::base::ElevationUnit;
 pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// A coordinate reference system, by its EPSG code, its WKT, or both.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Crs {
     /// EPSG code, if known.
     pub epsg: Option<u32>,

@@ -6,7 +6,7 @@ use glam::DVec2;
 use crate::base::FeatureId;
 
 /// Which pits get a way out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
 pub enum Drain {
     /// None: the surface keeps every pit between contours.
     None,

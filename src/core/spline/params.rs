@@ -28,7 +28,7 @@ pub struct SplineParams {
 }
 
 /// The hyper-parameters: what is chosen from the data.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HyperParameters {
     /// See [`SplineParams::tension`].
     pub tension: f64,

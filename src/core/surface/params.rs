@@ -13,7 +13,7 @@ use crate::subdomains::Frame;
 use crate::tuning::Tuning;
 
 /// How heights between contours are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
 pub enum SurfaceKind {
     /// Linear on the triangles between contours.
     Linear,

@@ -8,7 +8,7 @@ use crate::spline::part_of_grid;
 use crate::validate::Chosen;
 
 /// Figures of a whole map that the surface of each of its parts needs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Whole {
     /// The vertical interval.
     pub interval: Interval,

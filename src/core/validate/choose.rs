@@ -36,7 +36,7 @@ const FEWEST_LEVELS: usize = 5;
 const OVER_BAND: f64 = 0.730_296_743;
 
 /// The choice of hyper-parameters, and the accuracy that hidden levels show.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Chosen {
     /// The hyper-parameters.
     pub hyper_parameters: HyperParameters,
@@ -56,7 +56,7 @@ pub struct Chosen {
 }
 
 /// The reason for the tension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Reason {
     /// Chosen by cross-validation on hidden levels.
     Hidden,
@@ -67,7 +67,7 @@ pub enum Reason {
 }
 
 /// The accuracy of heights.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Accuracy {
     /// Root mean square error, metres.
     pub rmse: f64,

@@ -231,6 +231,10 @@ kinds! {
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
     NoHeight = "no-height", Note, "cells whose values are not heights";
+    /// A new contour ends at the border of a tile.
+    SeamEnd = "seam-end", Warning, "new contours that end at the border of a tile";
+    /// Tiles disagree about the side of a contour on which the ground is higher.
+    SeamSides = "seam-sides", Warning, "contours whose higher side differs between tiles";
     /// Heights are in another unit than metres.
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
     /// A picture in colour does not state how its colours become heights. It is read as an elevation tile of GSI.
