@@ -95,7 +95,8 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
     let pits = wants_pits.then(|| terrain.pits_of(&map.map.dem, &output.grid)).transpose()?;
     diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
-    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
+    let units = args.to_unit.drawn(console.units());
+    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection, units))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);

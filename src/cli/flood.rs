@@ -135,8 +135,8 @@ impl FloodArgs {
             None => String::new(),
         };
         console.say(&format!(
-            "flood      {level}: {:.2} hectares, {:.0} m³, depth {:.2} m at most",
-            flood.area / 1e4,
+            "flood      {level}: {}, {:.0} m³, depth {:.2} m at most",
+            console.units().area(flood.area),
             flood.volume,
             flood.deepest
         ));

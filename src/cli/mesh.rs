@@ -75,7 +75,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     job.draw(|| {
         let contours = &terrain.input_contours()?.lines;
         let break_lines = &terrain.surface.break_lines;
-        render_model(&Model { mesh: &model, contours, break_lines, title: None })
+        render_model(&Model { mesh: &model, contours, break_lines, units: console.units(), title: None })
     })?;
 
     job.report(&terrain.findings, &terrain.surface.map);

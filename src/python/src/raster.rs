@@ -7,6 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::Finding;
+use tokosen::base::Units;
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
@@ -123,7 +124,7 @@ impl Raster {
     /// A picture of a height map, as PNG.
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let dem = self.dem(py)?;
-        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[])?))
+        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[], Units::METRES)?))
     }
 
     /// Writes the raster.

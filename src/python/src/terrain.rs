@@ -224,7 +224,7 @@ impl Terrain {
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         work(py, None, |_| {
             let lines = self.terrain.input_contours()?.lines;
-            let picture = tokosen::draw::preview::picture(&self.terrain.surface, &lines, &self.terrain.reprojection)?;
+            let picture = tokosen::draw::preview::picture(&self.terrain.surface, &lines, &self.terrain.reprojection, self.terrain.units())?;
             tokosen::io::raster::picture_bytes(&picture)
         })
     }
