@@ -26,15 +26,18 @@ mod plane;
 mod plausible;
 mod preparation;
 mod prepare;
+mod profile;
 #[cfg(feature = "draw")]
 mod report;
 mod room;
+mod sample;
 #[cfg(feature = "io")]
 mod sheets;
 mod sides;
 #[cfg(all(test, feature = "io"))]
 mod tests;
 mod units;
+mod volume;
 
 pub use base::BaseJoin;
 #[cfg(feature = "io")]
@@ -59,6 +62,11 @@ pub use places::read_places_in;
 pub use places::{Outlets, Place, flood_source};
 pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
+#[cfg(feature = "io")]
+pub use profile::read_profile;
+pub use profile::{Profile, ProfileParams, ProfilePoint, ProfileRun, profile};
 #[cfg(feature = "draw")]
 pub use report::{page, sentences};
+pub use sample::Sample;
+pub use volume::{VolumeSides, heights_of};
 pub use tokosen_core::arrays::{RaggedLines, TriangleArrays};

@@ -87,7 +87,7 @@ impl Units {
         while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
             // A number that is the end of a word is a part of a name.
             let before = rest[..start].trim_end_matches('-');
-            let is_number = !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '/'));
+            let is_number = !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '/' | ':'));
             let start = if is_number && rest[..start].ends_with('-') { start - 1 } else { start };
             let length = rest[start..].find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | 'e' | '-')));
             let end = length.map_or(rest.len(), |length| start + length);
