@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use geo::MultiPolygon;
-use tokosen::base::{ElevationUnit, Units};
 use tokosen::base::error::{Error, FindingKind};
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::preview::height_map_picture;
@@ -264,7 +264,8 @@ fn why_empty(levels: &[f64], [low, high]: [f32; 2], unit: ElevationUnit, is_part
             "the level {} is the lowest height, and a height equal to a level is above it",
             in_unit(*level, unit)
         ),
-        None => format!("none of its levels is between the lowest and the highest height, {} and {}",
+        None => format!(
+            "none of its levels is between the lowest and the highest height, {} and {}",
             Units::all(unit).height(f64::from(low)),
             Units::all(unit).height(f64::from(high))
         ),

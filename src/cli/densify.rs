@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::base::{ElevationUnit, Units};
 use tokosen::base::error::{Error, Finding};
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;

@@ -214,7 +214,7 @@ impl MapArgs {
             n => {
                 let (low, high) = (units.height_number(low), units.height(high));
                 format!("{size}, {n} levels from {low} to {high}, vertical interval {interval}")
-            },
+            }
         };
         console.say(&format!("contours   {what}"));
         let soft = map.soft_spots.len();

@@ -141,7 +141,8 @@ fn table(found: &Profile, units: Units) -> String {
     let unit = units.heights.symbol().replace(' ', "_").to_lowercase();
     let sides = found.runs.first().and_then(|run| run.points.first()).map_or(1, |point| point.samples.len());
     let has_sections = found.runs.iter().any(|run| run.section.is_some());
-    let mut text = format!("feature,{}distance_{unit},x,y", if has_sections { format!("section_{unit},") } else { String::new() });
+    let mut text =
+        format!("feature,{}distance_{unit},x,y", if has_sections { format!("section_{unit},") } else { String::new() });
     for letter in ["_a", "_b"].iter().take(sides) {
         let letter = if sides > 1 { letter } else { "" };
         let _ = write!(text, ",z{letter}_{unit},error{letter}_{unit}");
@@ -173,7 +174,11 @@ fn chart(found: &Profile, sides: &[&Side], exaggeration: Option<f64>, units: Uni
             let band: Vec<f64> = run.points.iter().map(|point| about(point.samples[k].error)).collect();
             Series {
                 name: name(side),
-                points: run.points.iter().map(|point| [about(point.distance), about(point.samples[k].height)]).collect(),
+                points: run
+                    .points
+                    .iter()
+                    .map(|point| [about(point.distance), about(point.samples[k].height)])
+                    .collect(),
                 band: if band.iter().any(|error| error.is_finite()) { band } else { Vec::new() },
             }
         });

@@ -121,7 +121,10 @@ pub fn surface(surface: &Surface, console: &Console) {
     streams(&surface.streams, console);
     let change = largest_stream_change(surface);
     if change > surface.stream_tolerance {
-        console.say(&format!("           height maps change by up to {} so that streams fall", units.rough_height(change)));
+        console.say(&format!(
+            "           height maps change by up to {} so that streams fall",
+            units.rough_height(change)
+        ));
     }
     break_lines(&surface.creases, console);
     if let Some(chosen) = &surface.chosen {
@@ -141,7 +144,10 @@ pub fn surface(surface: &Surface, console: &Console) {
             .filter(|e| e.is_finite())
             .collect();
         let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
-        console.say(&format!("errors     standard error {} (root mean square), {provenance}", console.units().rough_height(mean)));
+        console.say(&format!(
+            "errors     standard error {} (root mean square), {provenance}",
+            console.units().rough_height(mean)
+        ));
     }
 }
 

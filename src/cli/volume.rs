@@ -52,7 +52,7 @@ pub struct VolumeArgs {
     /// The level above and below which volumes are wanted [metres, or the unit of --to-unit]
     #[arg(long, value_name = "Z", help_heading = "Input")]
     level: Option<f64>,
-    /// Many levels: lowest, highest and step, such as 700:760:1 [metres, or the unit of --to-unit]
+    /// Many levels: the lowest, the highest and the step, such as 700:760:1, or a list [metres, or the unit of --to-unit]
     #[arg(long, value_name = "LOW:HIGH:STEP", value_parser = levels, help_heading = "Input", conflicts_with = "level")]
     levels: Option<Levels>,
     /// Only the ground inside the polygons of this file counts
@@ -78,17 +78,23 @@ Examples:
   tokosen volume contours.gpkg --cell 5 --level 720 --clip pit.geojson
   tokosen volume valley.tif --levels 700:760:1 --clip above_the_dam.gpkg -o storage.csv -o storage.svg";
 
-/// Levels from a lowest one in steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Levels {
-    low: f64,
-    step: f64,
-    count: usize,
-}
+/// The levels that are asked for, in the unit of the output.
+#[derive(Debug, Clone, PartialEq)]
+struct Levels(Vec<f64>);
 
 fn levels(text: &str) -> Result<Levels, String> {
-    let numbers: Vec<f64> = text.split(':').filter_map(|part| part.trim().parse().ok()).collect();
-    let &[low, high, step] = numbers.as_slice() else {
+    let numbers = |mark: char| -> Vec<f64> {
+        let parts: Result<Vec<f64>, _> = text.split(mark).map(|part| part.trim().parse()).collect();
+        parts.unwrap_or_default().into_iter().filter(|number| number.is_finite()).collect()
+    };
+    if !text.contains(':') {
+        let levels = numbers(',');
+        return match levels.len() == text.split(',').count() {
+            true => Ok(Levels(levels)),
+            false => Err("give levels such as 700,720,740, or the lowest, the highest and the step: 700:760:1".into()),
+        };
+    }
+    let &[low, high, step] = numbers(':').as_slice() else {
         return Err("give the lowest level, the highest and the step, such as 700:760:1".into());
     };
     let steps = (high - low) / step;
@@ -99,7 +105,8 @@ fn levels(text: &str) -> Result<Levels, String> {
         return Err(format!("these are {steps:.0} levels, there may be {MOST_LEVELS}: choose a larger step"));
     }
     // The highest level counts although the division may be rounded.
-    Ok(Levels { low, step, count: (steps + 1e-9).floor() as usize + 1 })
+    let count = (steps + 1e-9).floor() as usize + 1;
+    Ok(Levels((0..count).map(|k| low + k as f64 * step).collect()))
 }
 
 /// Runs the verb.
@@ -121,11 +128,9 @@ pub fn run(args: &VolumeArgs, console: &Console) -> Result<(), Failure> {
     findings.extend([Some(&a), b.as_ref()].into_iter().flatten().flat_map(|side| side.late_findings()));
 
     let unit = args.to_unit.unit();
-    let found: Vec<Volume> = match (args.levels, args.level) {
-        (Some(Levels { low, step, count }), _) => {
-            (0..count).map(|k| heights.at(unit.metres(low + k as f64 * step))).collect()
-        }
-        (None, level) => vec![heights.at(level.map_or(0.0, |level| unit.metres(level)))],
+    let found: Vec<Volume> = match &args.levels {
+        Some(Levels(levels)) => levels.iter().map(|level| heights.at(unit.metres(*level))).collect(),
+        None => vec![heights.at(args.level.map_or(0.0, |level| unit.metres(level)))],
     };
     let units = Units::all(unit);
     results.write(&table(&found, units, args.b.is_some()), || storage(&found, units), console)?;
@@ -259,11 +264,15 @@ fn storage(found: &[Volume], units: Units) -> Chart {
     let curve = |of: &dyn Fn(&Volume) -> f64, label: String| Panel {
         title: String::new(),
         labels: [label, format!("Level, {symbol}")],
-        series: vec![Series { points: found.iter().map(|v| [of(v), unit.about(v.level)]).collect(), ..Series::default() }],
+        series: vec![Series {
+            points: found.iter().map(|v| [of(v), unit.about(v.level)]).collect(),
+            ..Series::default()
+        }],
         exaggeration: None,
     };
     let volume = curve(&|v| in_unit(v.fill, units) / million, format!("Volume below the level, million {symbol}³"));
-    let area = curve(&|v| unit.about(unit.about(v.fill_area)) / million, format!("Area below the level, million {symbol}²"));
+    let area =
+        curve(&|v| unit.about(unit.about(v.fill_area)) / million, format!("Area below the level, million {symbol}²"));
     Chart { title: "Storage curve".into(), panels: vec![volume, area] }
 }
 
@@ -273,10 +282,12 @@ mod tests {
 
     #[test]
     fn levels_include_both_ends() {
-        assert_eq!(levels("700:760:1"), Ok(Levels { low: 700.0, step: 1.0, count: 61 }));
-        assert_eq!(levels("0:0.3:0.1").map(|levels| levels.count), Ok(4));
-        assert_eq!(levels("-5:-5:1").map(|levels| levels.count), Ok(1));
-        for wrong in ["", "700", "700:760", "760:700:1", "0:1:0", "0:1:-1", "0:inf:1", "a:b:c", "0:1:1e-9"] {
+        let count = |text: &str| levels(text).map(|levels| levels.0.len());
+        assert_eq!(levels("700:703:1"), Ok(Levels(vec![700.0, 701.0, 702.0, 703.0])));
+        assert_eq!(count("0:0.3:0.1"), Ok(4));
+        assert_eq!(count("-5:-5:1"), Ok(1));
+        assert_eq!(levels("-12.5, 7"), Ok(Levels(vec![-12.5, 7.0])));
+        for wrong in ["", "700,x", "700:760", "760:700:1", "0:1:0", "0:1:-1", "0:inf:1", "a:b:c", "0:1:1e-9"] {
             assert!(levels(wrong).is_err(), "{wrong}");
         }
     }

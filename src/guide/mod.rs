@@ -25,6 +25,7 @@ pages! {
     when_a_map_looks_wrong = "when_a_map_looks_wrong.md",
     uncertainty = "uncertainty.md",
     comparing = "comparing.md",
+    profiles_volumes = "profiles_volumes.md",
     map_tiles = "map_tiles.md",
     slope = "slope.md",
     flow = "flow.md",

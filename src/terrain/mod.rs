@@ -68,5 +68,5 @@ pub use profile::{Profile, ProfileParams, ProfilePoint, ProfileRun, profile};
 #[cfg(feature = "draw")]
 pub use report::{page, sentences};
 pub use sample::Sample;
-pub use volume::{VolumeSides, heights_of};
 pub use tokosen_core::arrays::{RaggedLines, TriangleArrays};
+pub use volume::{VolumeSides, heights_of};

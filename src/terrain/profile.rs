@@ -79,7 +79,9 @@ pub fn profile(
     let transform = first.transform_from(crs, path)?;
     let on_plane = |p: DVec2, feature: u64| {
         let there = converted(transform.as_ref(), p);
-        let message = || format!("{} {} of feature {feature} has no place in the coordinates of {}", p.x, p.y, first.source.title());
+        let message = || {
+            format!("{} {} of feature {feature} has no place in the coordinates of {}", p.x, p.y, first.source.title())
+        };
         there.ok_or_else(|| Error::file(path, message()))
     };
     let mut placed: Vec<(Vec<DVec2>, u64)> = Vec::new();
@@ -105,9 +107,9 @@ pub fn profile(
     }
     // All places at once: a height map is read row by row.
     let back = |p: DVec2| transform.as_ref().map_or(Some(p), |transform| transform.inverse(p)).unwrap_or(DVec2::NAN);
-    let places: Vec<DVec2> = runs.iter().flat_map(|(_, _, stations)| stations).map(|station| back(station.place)).collect();
-    let samples: Vec<Vec<Sample>> =
-        sides.iter().map(|side| side.sample(&places, crs, path)).collect::<Result<_>>()?;
+    let places: Vec<DVec2> =
+        runs.iter().flat_map(|(_, _, stations)| stations).map(|station| back(station.place)).collect();
+    let samples: Vec<Vec<Sample>> = sides.iter().map(|side| side.sample(&places, crs, path)).collect::<Result<_>>()?;
     let mut next = 0..places.len();
     let found: Vec<ProfileRun> = runs
         .into_iter()

@@ -52,9 +52,9 @@ pub fn heights_of(
         _ => Heights::of(&a, errors_a.as_deref(), reach(sides.a)),
     }
     .map_err(|error| match error {
-        Error::Data(_) if sides.b.is_some() => {
-            Error::Data("there is no cell in which both A and B have a height: do they overlap, and does --clip?".into())
-        }
+        Error::Data(_) if sides.b.is_some() => Error::Data(
+            "there is no cell in which both A and B have a height: do they overlap, and does --clip?".into(),
+        ),
         other => other,
     })
 }

@@ -87,7 +87,10 @@ fn a_vertical_system_in_feet_is_believed() {
     folder.put("feet.geojson", &rings(WITH_HEIGHTS_IN_FEET, "elev", false));
     let said = folder.succeeds("densify feet.geojson -i 100 --keep-input -o out.geojson");
     assert!(said.contains("states heights in feet; the elevations were turned into metres"), "{said}");
-    assert!(said.contains("from 40 to 120 ft, vertical interval 40 ft") && said.contains("the input are feet"), "{said}");
+    assert!(
+        said.contains("from 40 to 120 ft, vertical interval 40 ft") && said.contains("the input are feet"),
+        "{said}"
+    );
     assert_eq!(folder.values("out.geojson", "elev"), set(&["12.192", "24.384", "36.576"]));
     // Heights are in metres now, and the system must not say that they are feet.
     let name = &folder.json("out.geojson")["crs"]["properties"]["name"];

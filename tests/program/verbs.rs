@@ -785,7 +785,10 @@ fn water_that_cannot_be_used() {
     folder.fails("dem hill.geojson --cell 5 -o d.tif --sea 0", USAGE, &["level of the sea, 0 m", "10 m, 20 m, 30 m"]);
     folder.put("w.geojson", lakes(&[(r#""elev":55"#, ring(5.0))]));
     let (_, messages) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --water w.geojson");
-    assert!(messages.contains("lakes left out: 1") && messages.contains("between contours 30 m and 40 m"), "{messages}");
+    assert!(
+        messages.contains("lakes left out: 1") && messages.contains("between contours 30 m and 40 m"),
+        "{messages}"
+    );
     let output = folder.run("dem hill.geojson --cell 5 -o e.tif --strict --water w.geojson");
     assert_eq!(output.status.code(), Some(FAILED));
     let (messages, _) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --sea 10");

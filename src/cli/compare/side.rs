@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use tokosen::{GridSpec, Options};
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::io::{Content, VectorSource, content};
 use tokosen::surface::{Triangles, Uncertainty};
 use tokosen::terrain::{Nodes, Side};
+use tokosen::{GridSpec, Options};
 
 use crate::cli::console::Console;
 use crate::cli::failure::Failure;

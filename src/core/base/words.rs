@@ -87,7 +87,8 @@ impl Units {
         while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
             // A number that is the end of a word is a part of a name.
             let before = rest[..start].trim_end_matches('-');
-            let is_number = !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '/' | ':'));
+            let is_number =
+                !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '/' | ':'));
             let start = if is_number && rest[..start].ends_with('-') { start - 1 } else { start };
             let length = rest[start..].find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | 'e' | '-')));
             let end = length.map_or(rest.len(), |length| start + length);
@@ -176,12 +177,10 @@ mod tests {
     fn heights_have_the_digits_that_people_wrote() {
         assert_eq!(FEET.height(UsSurveyFoot.metres(50.0)), "50 ft");
         assert_eq!(FEET.height(UsSurveyFoot.metres(-12.5)), "-12.5 ft");
-        assert_eq!([20.0, 0.1, 1234.567_891, 1e-6].map(|z| Units::METRES.height(z)), [
-            "20 m",
-            "0.1 m",
-            "1234.5679 m",
-            "0.000001 m"
-        ]);
+        assert_eq!(
+            [20.0, 0.1, 1234.567_891, 1e-6].map(|z| Units::METRES.height(z)),
+            ["20 m", "0.1 m", "1234.5679 m", "0.000001 m"]
+        );
         assert_eq!([FEET.rough_height(0.75), Units::METRES.rough_height(0.75)], ["2.5 ft", "0.75 m"]);
         assert_eq!(Units::METRES.rough_height(0.0), "0 m");
     }

@@ -120,7 +120,11 @@ impl Heights {
             sum.variance += cell.area * cell.sigma * cell.sigma;
             sums.push(sum);
         }
-        Ok(Self { heights: cells.iter().map(|cell| cell.height).collect(), sums, alike: reach.map(|reach| reach * reach) })
+        Ok(Self {
+            heights: cells.iter().map(|cell| cell.height).collect(),
+            sums,
+            alike: reach.map(|reach| reach * reach),
+        })
     }
 
     /// The volumes above and below a level, metres.

@@ -139,7 +139,8 @@ impl Field {
         shapes.push(text(panel.labels[0].clone(), [left + self.width / 2.0, bottom + 42.0], Align::Center));
         // What the field shows, not what was asked for: its height has limits.
         let shown = self.height / (self.y[1] - self.y[0]) / (self.width / (self.x[1] - self.x[0]));
-        let factor = panel.exaggeration.map(|_| format!("heights x {}", scale::number((shown * 100.0).round() / 100.0)));
+        let factor =
+            panel.exaggeration.map(|_| format!("heights x {}", scale::number((shown * 100.0).round() / 100.0)));
         let above = [panel.labels[1].clone(), panel.title.clone()].into_iter().chain(factor);
         let above: Vec<String> = above.filter(|text| !text.is_empty()).collect();
         shapes.push(text(above.join("  ·  "), [left, top - 10.0], Align::Left));
@@ -156,7 +157,9 @@ fn draw_series(series: &Series, color: Rgb, at: &impl Fn([f64; 2]) -> [f64; 2], 
         let bands = series.band.get(start..start + length).unwrap_or_default();
         if run.len() > 1 {
             let edge = |sign: f64| {
-                run.iter().zip(bands).map(move |([x, y], band)| [*x, y + sign * if band.is_finite() { *band } else { 0.0 }])
+                run.iter()
+                    .zip(bands)
+                    .map(move |([x, y], band)| [*x, y + sign * if band.is_finite() { *band } else { 0.0 }])
             };
             if bands.len() == run.len() {
                 let points = edge(1.0).chain(edge(-1.0).rev()).map(at).collect();

@@ -83,7 +83,11 @@ mod tests {
     fn chart(exaggeration: Option<f64>) -> Chart {
         let points = (0..=100).map(|k| [f64::from(k) * 10.0, 700.0 + f64::from(k % 20)]).collect();
         let a = Series { name: "ground & water".into(), points, band: vec![0.5; 101] };
-        let b = Series { name: "design".into(), points: vec![[0.0, 700.0], [f64::NAN; 2], [500.0, 710.0], [900.0, 720.0]], band: vec![] };
+        let b = Series {
+            name: "design".into(),
+            points: vec![[0.0, 700.0], [f64::NAN; 2], [500.0, 710.0], [900.0, 720.0]],
+            band: vec![],
+        };
         let labels = ["distance, m".into(), "height, m".into()];
         let panel = Panel { title: "Line 1".into(), labels, series: vec![a, b], exaggeration };
         Chart { title: "Profile".into(), panels: vec![panel] }
@@ -94,7 +98,8 @@ mod tests {
         let picture = chart(None).png().unwrap();
         let svg = chart(None).svg().unwrap();
         assert!(svg.starts_with("<svg") && svg.contains(&format!("width=\"{}\"", picture.width())));
-        for text in ["ground &amp; water", "design", "distance, m", "height, m", "Line 1", "Profile", ">1000<", ">710<"] {
+        for text in ["ground &amp; water", "design", "distance, m", "height, m", "Line 1", "Profile", ">1000<", ">710<"]
+        {
             assert!(svg.contains(text), "{text}: {svg}");
         }
         // Two lines, one of them in two parts, of which one is a single point.

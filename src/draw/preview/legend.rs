@@ -210,7 +210,7 @@ impl Block {
             Self::Ramp { low, high, units } => {
                 let heights = [*low, *high].map(|z| units.heights.about(z));
                 draw_ramp(pixmap, setter, (heights, units.heights.symbol()), (x, y));
-            },
+            }
         }
     }
 }

@@ -21,8 +21,8 @@ use super::text::Typesetter;
 use super::view::Subject;
 use super::zbuffer::{self, Corner, Piece, Scene};
 use crate::scale;
-use tokosen_core::base::{Grid, Units};
 use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::{Grid, Units};
 use tokosen_core::contour::{ContourLine, Source};
 use tokosen_core::dem::shade::{Lights, ShadeParams};
 use tokosen_core::mesh::Mesh;
@@ -136,7 +136,8 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
         remark: mesh.crs.as_ref().and_then(legend::crs_label),
     };
     let range = Some(ground.range);
-    let content = legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: None, range, units: model.units };
+    let content =
+        legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: None, range, units: model.units };
     let mut blocks = legend::blocks(content, room as f32, &setter);
     let remark = Some(format!("Seen from south-south-west, heights x {exaggeration}"));
     blocks.insert(1, legend::Block::Scale { bar: None, arrow: None, remark });
@@ -391,7 +392,9 @@ mod tests {
     fn models_that_cannot_be_drawn() {
         let mut mesh = field(2, |_, _| 1.0);
         mesh.vertices[3].z = f64::NAN;
-        let model = |mesh: &Mesh| render_model(&Model { mesh, contours: &[], break_lines: &[], units: Units::METRES, title: None }).is_err();
+        let model = |mesh: &Mesh| {
+            render_model(&Model { mesh, contours: &[], break_lines: &[], units: Units::METRES, title: None }).is_err()
+        };
         assert!(model(&mesh));
         mesh.vertices.fill(DVec3::ONE);
         assert!(model(&mesh));

@@ -55,7 +55,12 @@ impl View {
         let place = |p: DVec2| Some(grid.corner + DVec2::new(p.x, -p.y) / scale);
         let ticks = ticks(extent * per_metre, notation, place);
         let metres = metres_per_unit_of(&dem.grid(), dem.crs()).map(|_| 1.0 / per_metre);
-        Self { grid: *grid, scale, ticks, bar: scale::bar(extent.x * per_metre, metres, 1.0 / scale.x, ElevationUnit::Metre) }
+        Self {
+            grid: *grid,
+            scale,
+            ticks,
+            bar: scale::bar(extent.x * per_metre, metres, 1.0 / scale.x, ElevationUnit::Metre),
+        }
     }
 
     fn size(&self) -> DVec2 {

@@ -16,7 +16,7 @@ those of the program. While the work is done, other threads of Python run, and C
 RAYON_NUM_THREADS sets the number of threads; the result does not depend on it.
 """
 
-from tokosen._dem import Dem, Transform
+from tokosen._dem import Dem, Transform, Volume
 from tokosen._errors import Error, FileError, FindingWarning, InputError, OutOfMemoryError, ParameterError
 from tokosen._example import example
 from tokosen._layers import Layer
@@ -38,6 +38,7 @@ __all__ = [
     "ParameterError",
     "Terrain",
     "Transform",
+    "Volume",
     "__version__",
     "check",
     "compare",
