@@ -17,6 +17,7 @@ use tokosen::surface::Surface;
 
 use super::Common;
 use super::flags::Flags;
+use super::hints::TakesUnit;
 use super::progress::Track;
 use super::run_file::{Record, RunFile, further};
 
@@ -128,6 +129,12 @@ impl Console {
     /// The units of the input, in which figures about it are printed; metres before it is read.
     pub fn units(&self) -> Units {
         self.units.get().copied().unwrap_or(Units::METRES)
+    }
+
+    /// Whether --unit applies to the run.
+    pub fn takes_unit(&self) -> TakesUnit {
+        let reads_heights = self.units.get().is_some() || self.flags.first(&["--points"]).is_some();
+        if reads_heights { TakesUnit::Yes } else { TakesUnit::No }
     }
 
     /// The conversion between the working plane and the input's coordinates, once the input is read.

@@ -111,7 +111,7 @@ impl FloodArgs {
             }
             (Some(FloodLevel::At(level)), _) => {
                 let places = places::read(&self.flood_from, dem.crs.as_ref(), findings)?;
-                let from = flood_source(&places, dem, level)?;
+                let from = flood_source(&places, dem, level)?.collect(findings);
                 console.step("flood", || flood_to_level(dem, scale, level, &from, memory))?
             }
             _ => return Err(Failure::Usage("--flood needs --flood-level LEVEL or +H".into())),

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgAction, Args};
 use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::draw::chart::{Chart, MOST_PANELS, Panel, Series};
@@ -32,7 +32,7 @@ use super::{memory, summary};
 /// errors of contours are estimated by hiding levels, those of a height map are what --sigma says.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
-#[command(mut_arg("contours", |arg| arg.index(1).num_args(1).value_name("A").help(
+#[command(mut_arg("contours", |arg| arg.index(1).num_args(1).action(ArgAction::Set).value_name("A").help(
     "A height map (.tif, .asc, .exr, .png, .xyz) or contour lines (.gpkg, .geojson, .shp, .fgb, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 pub struct ProfileArgs {

@@ -70,7 +70,7 @@ fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Cons
     } else if list.len() > shown {
         print(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
     }
-    if let Some(hint) = list.first().and_then(|finding| hints::for_kind_of(finding)) {
+    if let Some(hint) = list.first().and_then(|finding| hints::for_kind_of(finding, console.takes_unit())) {
         print(console, &format!("    {hint}"));
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgAction, Args};
 use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::dem::volume::{Heights, Volume};
@@ -39,7 +39,7 @@ const PRINTED: usize = 12;
 /// are independent; 'most' is the error if all heights are wrong by their standard error in the same direction.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
-#[command(mut_arg("contours", |arg| arg.index(1).num_args(1).value_name("A").help(
+#[command(mut_arg("contours", |arg| arg.index(1).num_args(1).action(ArgAction::Set).value_name("A").help(
     "The ground: a height map (.tif, .asc, .exr, .png, .xyz) or contour lines (.gpkg, .geojson, .shp, .fgb, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("cell", |arg| arg.help("Cell size for contours [units of the working CRS]; cells lie on multiples of it")))]
