@@ -169,6 +169,7 @@ fn chart(found: &Profile, sides: &[&Side], exaggeration: Option<f64>, units: Uni
     let about = |metres: f64| units.heights.about(metres);
     let symbol = units.heights.symbol();
     let name = |side: &Side| side.source.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let exaggeration = Some(exaggeration.unwrap_or_else(|| usual_exaggeration(found)));
     let panel = |run: &ProfileRun| {
         let series = sides.iter().enumerate().map(|(k, side)| {
             let band: Vec<f64> = run.points.iter().map(|point| about(point.samples[k].error)).collect();
@@ -191,4 +192,48 @@ fn chart(found: &Profile, sides: &[&Side], exaggeration: Option<f64>, units: Uni
         Panel { title, labels, series: series.collect(), exaggeration }
     };
     Chart { title: String::new(), panels: found.runs.iter().map(panel).collect() }
+}
+
+/// Height of a usual picture, as a share of its width.
+const SHAPE: f64 = 0.35;
+
+/// The factor on heights that gives the picture a usual shape: 1, 2 or 5 times a power of ten.
+fn usual_exaggeration(found: &Profile) -> f64 {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        let known = values.filter(|value| value.is_finite());
+        let [lo, hi] = known.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+        hi - lo
+    };
+    let length = |run: &ProfileRun| range(&mut run.points.iter().map(|point| point.distance));
+    let rise = |run: &ProfileRun| range(&mut run.points.iter().flat_map(|point| &point.samples).map(|s| s.height));
+    let shapes = found.runs.iter().map(|run| SHAPE * length(run) / rise(run));
+    let least = shapes.filter(|shape| shape.is_finite() && *shape > 0.0).fold(f64::INFINITY, f64::min);
+    if !least.is_finite() {
+        return 1.0;
+    }
+    let power = 10_f64.powf(least.log10().floor());
+    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|round| *round <= least).unwrap_or(power)
+}
+
+#[cfg(test)]
+mod tests {
+    use tokosen::terrain::{ProfilePoint, Sample};
+
+    use super::*;
+
+    #[test]
+    fn usual_pictures_are_neither_flat_nor_tall() {
+        let point = |distance: f64, height: f64| {
+            let samples = vec![Sample { height, error: f64::NAN }];
+            ProfilePoint { distance, place: Default::default(), samples }
+        };
+        let run = |rise: f64| {
+            let points = vec![point(0.0, 5.0), point(500.0, f64::NAN), point(1000.0, 5.0 + rise)];
+            ProfileRun { feature: 0, section: None, points }
+        };
+        let factor = |rises: &[f64]| usual_exaggeration(&Profile { runs: rises.iter().map(|r| run(*r)).collect() });
+        assert_eq!([factor(&[350.0]), factor(&[100.0]), factor(&[20.0]), factor(&[900.0])], [1.0, 2.0, 10.0, 0.2]);
+        // The steepest section counts, and level ones do not.
+        assert_eq!([factor(&[20.0, 100.0]), factor(&[0.0]), factor(&[])], [2.0, 1.0, 1.0]);
+    }
 }

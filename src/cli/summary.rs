@@ -240,6 +240,10 @@ fn accuracy(chosen: &Chosen, console: &Console) {
         units.height(hidden.interval),
         units.height(implied.interval)
     ));
+    console.detail(
+        "           measured on the surface of this run: its nodes lie at the cells of its height map, so that another --cell, or \
+         none, gives a slightly different figure",
+    );
 }
 
 /// A height, rounded to the centimetre.
