@@ -6,7 +6,7 @@ use clap::Args;
 use tokosen::base::ElevationUnit;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::StagedOutput;
-use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, placement, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams};
 use tokosen::surface::Triangles;
 
@@ -29,7 +29,8 @@ use super::{output, summary};
 pub struct MeshArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb)
+    /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb); or a surface of triangles in map coordinates:
+    /// LandXML 1.2 (.xml), or DXF with a 3DFACE for each triangle (.dxf)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m]
@@ -48,11 +49,18 @@ const EXAMPLES: &str = "\
 Examples:
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
+  tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
 
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
-    output::check_extension(&args.output, "models", &MESH_EXTENSIONS)?;
+    output::check_extension(&args.output, "models", &[MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS].concat())?;
+    let is_surface = output::check_extension(&args.output, "surfaces", &SURFACE_EXTENSIONS).is_ok();
+    if args.base_height.is_some() && is_surface {
+        return Err(Failure::Usage(
+            "--base-height makes a solid, which .xml and .dxf cannot hold: write .ply, .obj or .glb".into(),
+        ));
+    }
     args.surface.check(&console.flags)?;
     let job = Job::start(
         &args.input,
