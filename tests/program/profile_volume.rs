@@ -13,7 +13,7 @@ use tokosen::raster::Dem;
 
 use crate::common;
 use crate::guide_pages::{commands, inputs, run};
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with_part};
 
 /// These tests.
 struct Here;
@@ -146,7 +146,7 @@ fn a_profile_follows_the_ground() {
 
 #[test]
 fn contours_have_errors_of_their_own() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let road = "[[745000,4018000],[749000,4021000]]";
     fs::write(folder.path("line.geojson"), geojson("LineString", road).replace("6677", "32616")).unwrap();
     folder.succeeds("profile in.gpkg --line line.geojson --step 50 -o p.csv");
