@@ -44,16 +44,16 @@ pub struct ProfileArgs {
     /// The line, or several: lines of a vector file
     #[arg(long, value_name = "FILE", value_parser = source(), help_heading = "Input")]
     line: VectorSource,
-    /// Standard error of the heights of height maps [m] [default: that of a product of 基盤地図情報]
+    /// Standard error of the heights of height maps [metres, or the unit of --to-unit] [default: that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input")]
     sigma: Option<f64>,
-    /// Greatest distance between places [metres; default: a 500th of the line, or a 100th of --width]
+    /// Greatest distance between places [metres, or the unit of --to-unit; default: a 500th of the line, or a 100th of --width]
     #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
     step: Option<f64>,
-    /// Sections across the line, this far apart [metres]
+    /// Sections across the line, this far apart [metres, or the unit of --to-unit]
     #[arg(long, value_name = "DISTANCE", help_heading = "Output", requires = "width")]
     sections: Option<f64>,
-    /// Width of the sections [metres]
+    /// Width of the sections [metres, or the unit of --to-unit]
     #[arg(long, value_name = "DISTANCE", help_heading = "Output", requires = "sections")]
     width: Option<f64>,
     /// How much larger heights are drawn than distances [default: so that the picture has a usual shape]
@@ -82,10 +82,11 @@ pub fn run(args: &ProfileArgs, console: &Console) -> Result<(), Failure> {
     let ProfileArgs { input, surface, .. } = args;
     let sides = Sides { input, b: args.b.as_ref(), grid: None, surface, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, .. } = side::read(sides, &contents, &mut findings, console)?;
-    side::state_sigma(args.sigma, [Some(&mut a), b.as_mut()]);
+    side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()]);
     let sides: Vec<&Side> = [Some(&a), b.as_ref()].into_iter().flatten().collect();
-    let params =
-        ProfileParams { step: args.step, sections: args.sections.zip(args.width).map(|(every, width)| [every, width]) };
+    let metres = |length: Option<f64>| length.map(|length| args.to_unit.unit().metres(length));
+    let sections = metres(args.sections).zip(metres(args.width)).map(|(every, width)| [every, width]);
+    let params = ProfileParams { step: metres(args.step), sections };
     let found = console.step("profile", || read_profile(&sides, &args.line, &params, memory::available()))?;
     let found = found.collect(&mut findings);
     findings.extend(sides.iter().flat_map(|side| side.late_findings()));

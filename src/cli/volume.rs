@@ -58,7 +58,7 @@ pub struct VolumeArgs {
     /// Only the ground inside the polygons of this file counts
     #[arg(long, value_name = "FILE", value_parser = source(), help_heading = "Input")]
     clip: Option<VectorSource>,
-    /// Standard error of the heights of height maps [m] [default: that of a product of 基盤地図情報]
+    /// Standard error of the heights of height maps [metres, or the unit of --to-unit] [default: that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input")]
     sigma: Option<f64>,
     /// Also write a table (.csv), or the storage curve of --levels as a picture (.svg, .png); give it again for another file
@@ -120,7 +120,7 @@ pub fn run(args: &VolumeArgs, console: &Console) -> Result<(), Failure> {
     let VolumeArgs { input, surface, grid, .. } = args;
     let sides = Sides { input, b: args.b.as_ref(), grid: Some(grid), surface, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, nodes } = side::read(sides, &contents, &mut findings, console)?;
-    side::state_sigma(args.sigma, [Some(&mut a), b.as_mut()]);
+    side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()]);
     let nodes = nodes.ok_or_else(|| Failure::Usage("contours need cells: give --cell SIZE or --like RASTER".into()))?;
     let sides = VolumeSides { a: &a, b: b.as_ref() };
     let area = |dem: &_| args.clip.as_ref().map(|clip| read_area_on(dem, clip, memory::available())).transpose();

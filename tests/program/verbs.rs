@@ -882,3 +882,20 @@ fn tuned_numbers_are_set_by_name() {
     );
     folder.fails(&dem("none.tif", "--tune spline.crease_weight=-1"), USAGE, &["spline.crease_weight", "0 or more"]);
 }
+
+#[test]
+fn one_run_writes_the_same_heights_in_several_formats() {
+    let folder = with_hill();
+    let (said, _) = folder.succeeds("dem hill.geojson --cell 5 -o a.tif -o b.exr -o c.asc");
+    assert_eq!(said.matches("written    ").count(), 3, "{said}");
+    let heights = |name: &str| tokosen::io::raster::read_dem(&folder.path(name)).unwrap().value.dem;
+    let first = heights("a.tif");
+    assert!(first.values.iter().any(|height| height.is_finite()));
+    for name in ["b.exr", "c.asc"] {
+        let other = heights(name);
+        assert_eq!(other.grid, first.grid, "{name}");
+        let is_same = |(a, b): (&f32, &f32)| (a.is_nan() && b.is_nan()) || (a - b).abs() < 1e-3;
+        assert!(first.values.iter().zip(&other.values).all(is_same), "{name}");
+    }
+    folder.fails("dem hill.geojson --cell 5 -o a.tif -o a.tif", USAGE, &["a.tif"]);
+}

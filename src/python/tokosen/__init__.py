@@ -20,11 +20,12 @@ from tokosen._dem import Dem, Transform, Volume
 from tokosen._errors import Error, FileError, FindingWarning, InputError, OutOfMemoryError, ParameterError
 from tokosen._example import example
 from tokosen._layers import Layer
-from tokosen._terrain import Mesh, Terrain
+from tokosen._terrain import Accuracy, Mesh, Terrain
 from tokosen._tokosen import __version__
 from tokosen._verbs import Check, Comparison, check, compare, contour, dem, densify, derive, mesh, regions, skeleton
 
 __all__ = [
+    "Accuracy",
     "Check",
     "Comparison",
     "Dem",

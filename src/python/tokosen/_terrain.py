@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
@@ -17,6 +17,15 @@ from tokosen._layers import Layer, Output, shaped
 from tokosen._options import RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
 from tokosen._sources import is_frame, sources
 from tokosen._work import Progress, reporting, warn_of
+
+
+class Accuracy(NamedTuple):
+    """The expected error of heights, metres."""
+
+    rmse: float
+    """Root mean square."""
+    le90: float
+    """The error that 90 % of the heights are within."""
 
 
 class Mesh:
@@ -313,8 +322,8 @@ class Terrain:
         return Layer(self._terrain.conflicts())
 
     @property
-    def accuracy(self) -> tuple[float, float] | None:
-        """The expected error of heights, metres: root mean square, and the error that 90 % are within. None if unknown.
+    def accuracy(self) -> Accuracy | None:
+        """The expected error of heights, metres: `rmse`, root mean square, and `le90`, which 90 % of them are within. None if unknown.
 
         It is estimated by hiding contours. A small map has too few of them.
 
@@ -322,7 +331,7 @@ class Terrain:
         True
         """
         accuracy: tuple[float, float] | None = self._terrain.figures()["accuracy"]
-        return accuracy
+        return None if accuracy is None else Accuracy(*accuracy)
 
     @property
     def interval(self) -> float:
