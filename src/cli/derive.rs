@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use clap::Args;
 use tokosen::Options;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding, FindingKind};
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{Derivative, Derived, HeightsFrom, SteepParams, Steeps, check, steep, steep_note};
 use tokosen::io::layer::{STEEP_LAYER, steep_areas};
@@ -322,7 +322,7 @@ fn describe(path: &Path, steeps: &Steeps, args: &DeriveArgs, console: &Console) 
         steeps.areas,
         args.steep_angle,
         args.steep_height,
-        console.units().area(area),
+        Units::METRES.area(area),
         steeps.too_low
     ));
     console.say(&format!("written    {}, layer steep ({} polygons)", path.display(), steeps.parts.len()));

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::dem::derive::{Flood, FlowDirections, StreamFlood, flood_along_streams, flood_to_level};
 use tokosen::io::layer::of_flood;
@@ -136,7 +137,7 @@ impl FloodArgs {
         };
         console.say(&format!(
             "flood      {level}: {}, {:.0} m³, depth {:.2} m at most",
-            console.units().area(flood.area),
+            Units::METRES.area(flood.area),
             flood.volume,
             flood.deepest
         ));

@@ -1,6 +1,7 @@
 //! The arguments about outlets, and the catchments above them.
 
 use clap::Args;
+use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::crs::Crs;
 use tokosen::raster::{Dem, GroundScale};
@@ -42,7 +43,7 @@ impl OutletArgs {
 
 /// The lines of the summary.
 pub fn describe(found: &Outlets, crs: Option<&Crs>, console: &Console) {
-    let units = console.units();
+    let units = Units::METRES;
     let shown = if console.verbose { found.outlets.len() } else { DESCRIBED };
     for (k, (outlet, name)) in found.outlets.iter().zip(&found.names).enumerate().take(shown) {
         let first = found.outlets.iter().position(|other| other.cell == outlet.cell).filter(|first| *first < k);

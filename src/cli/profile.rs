@@ -213,7 +213,8 @@ fn usual_exaggeration(found: &Profile) -> f64 {
         return 1.0;
     }
     let power = 10_f64.powf(least.log10().floor());
-    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|round| *round <= least).unwrap_or(power)
+    // Nobody wants heights that are drawn too low.
+    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|round| *round <= least).unwrap_or(power).max(1.0)
 }
 
 #[cfg(test)]
@@ -233,7 +234,7 @@ mod tests {
             ProfileRun { feature: 0, section: None, points }
         };
         let factor = |rises: &[f64]| usual_exaggeration(&Profile { runs: rises.iter().map(|r| run(*r)).collect() });
-        assert_eq!([factor(&[350.0]), factor(&[100.0]), factor(&[20.0]), factor(&[900.0])], [1.0, 2.0, 10.0, 0.2]);
+        assert_eq!([factor(&[350.0]), factor(&[100.0]), factor(&[20.0]), factor(&[900.0])], [1.0, 2.0, 10.0, 1.0]);
         // The steepest section counts, and level ones do not.
         assert_eq!([factor(&[20.0, 100.0]), factor(&[0.0]), factor(&[])], [2.0, 1.0, 1.0]);
     }

@@ -127,8 +127,7 @@ pub fn beyond_map(tiles: &TerrainTiles, written: &WrittenTerrain) -> Option<Find
     let share = written.filled as f64 / pixels;
     let zoom = tiles.zoom;
     let message = format!(
-        "{:.0} % of the pixels of zoom {zoom} lie beyond the map, which is small beside its {count} tiles; choose a higher \
-         --max-zoom",
+        "{:.0} % of the pixels of zoom {zoom} lie beyond the map, which is small beside a tile; choose a higher --max-zoom",
         100.0 * share
     );
     (share > BEYOND).then(|| Finding::general(FindingKind::TilesBeyondMap, message))

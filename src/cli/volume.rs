@@ -26,7 +26,7 @@ use super::{memory, summary};
 /// Most levels of --levels.
 const MOST_LEVELS: f64 = 10_000.0;
 /// So many levels are printed.
-const PRINTED: usize = 12;
+const PRINTED: usize = 6;
 
 /// Volumes above and below a level, or between two surfaces
 ///
@@ -35,8 +35,8 @@ const PRINTED: usize = 12;
 /// that for many levels. Each cell counts with the height at its centre; cells without a height do not count.
 ///
 /// Errors come from the standard errors of the heights: those of contours are estimated by hiding levels, those of a
-/// height map are what --sigma says. 'likely' is the standard error of the volume if errors further apart than the contours
-/// are independent; 'most' is the error if all heights are wrong by their standard error in the same direction.
+/// height map are what --sigma says. 'likely' is the standard error of the volume if errors are independent where they are further apart
+/// than the contours around them; 'most' is the error if all heights are wrong by their standard error in the same direction.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).num_args(1).action(ArgAction::Set).value_name("A").help(
@@ -182,7 +182,8 @@ impl VolumeArgs {
 /// The lines of the summary.
 fn describe(found: &[Volume], heights: &Heights, args: &VolumeArgs, units: Units, console: &Console) {
     let [low, high] = heights.range();
-    let range = format!("{} to {}", units.height_number(round(low)), units.height(round(high)));
+    let [low, high] = [low, high].map(|height| units.heights.about(height));
+    let range = format!("{low:.2} to {high:.2} {}", units.heights.symbol());
     let area = found.first().map_or(0.0, Volume::area);
     let what = if args.b.is_some() { "differences A − B" } else { "heights" };
     console.say(&format!("area       {}, {what} from {range}", units.area(area)));
@@ -213,20 +214,25 @@ fn describe(found: &[Volume], heights: &Heights, args: &VolumeArgs, units: Units
     }
 }
 
-/// Millimetres are enough for a height that was computed.
-fn round(metres: f64) -> f64 {
-    (metres * 1e3).round() / 1e3
-}
-
 /// A volume in the unit of the heights.
 fn in_unit(cubic_metres: f64, units: Units) -> f64 {
     let unit = units.heights;
     unit.about(unit.about(unit.about(cubic_metres)))
 }
 
+/// Volumes from here on are in millions.
+const MILLION: f64 = 1e6;
+
 fn cubic(cubic_metres: f64, units: Units) -> String {
     let sign = if units.heights.is_foot() { "ft³" } else { "m³" };
-    format!("{:.0} {sign}", in_unit(cubic_metres, units))
+    let volume = in_unit(cubic_metres, units);
+    if volume.abs() < MILLION {
+        return format!("{volume:.0} {sign}");
+    }
+    // Five digits are more than any volume of ground is known to.
+    let millions = volume / MILLION;
+    let decimals = (4.0 - millions.abs().log10().floor()).clamp(0.0, 4.0) as usize;
+    format!("{millions:.decimals$} million {sign}")
 }
 
 /// The table, a row for each level.
@@ -260,7 +266,6 @@ fn table(found: &[Volume], units: Units, has_b: bool) -> String {
 fn storage(found: &[Volume], units: Units) -> Chart {
     let unit = units.heights;
     let symbol = unit.symbol();
-    let million = 1e6;
     let curve = |of: &dyn Fn(&Volume) -> f64, label: String| Panel {
         title: String::new(),
         labels: [label, format!("Level, {symbol}")],
@@ -270,9 +275,9 @@ fn storage(found: &[Volume], units: Units) -> Chart {
         }],
         exaggeration: None,
     };
-    let volume = curve(&|v| in_unit(v.fill, units) / million, format!("Volume below the level, million {symbol}³"));
+    let volume = curve(&|v| in_unit(v.fill, units) / MILLION, format!("Volume below the level, million {symbol}³"));
     let area =
-        curve(&|v| unit.about(unit.about(v.fill_area)) / million, format!("Area below the level, million {symbol}²"));
+        curve(&|v| unit.about(unit.about(v.fill_area)) / MILLION, format!("Area below the level, million {symbol}²"));
     Chart { title: "Storage curve".into(), panels: vec![volume, area] }
 }
 

@@ -10,7 +10,6 @@ use tokosen_core::base::progress::Progress;
 use tokosen_core::crs::converted;
 use tokosen_core::dem::volume::Heights;
 use tokosen_core::raster::{Dem, RasterRows};
-use tokosen_core::subdomains::MapExtent;
 use tokosen_core::surface::standard_errors_on;
 
 /// Whose heights count.
@@ -38,10 +37,7 @@ pub fn heights_of(
     if let Some(area) = area(&a)? {
         a = a.inside(&area)?;
     }
-    let reach = |side: &Side| {
-        let surface = side.surface()?;
-        Some(MapExtent::new(&surface.map, &surface.frame, surface.interval).spacing)
-    };
+    let reach = |side: &Side| side.surface()?.errors.as_ref()?.reach();
     match (b, sides.b) {
         (Some((heights, errors_b)), Some(side_b)) => {
             let both = |(a, b): (Vec<f32>, Vec<f32>)| a.iter().zip(&b).map(|(a, b)| a.hypot(*b)).collect::<Vec<f32>>();

@@ -10,7 +10,7 @@ use crate::scale;
 const WIDTHS: [f64; 2] = [1200.0, 520.0];
 /// Its height if nothing else is said, and the least and the greatest.
 const USUAL: [f64; 2] = [460.0, 260.0];
-const HEIGHTS: [f64; 2] = [90.0, 2000.0];
+const HEIGHTS: [f64; 2] = [120.0, 2000.0];
 /// Space on the left, above, on the right and below a field.
 const MARGINS: [f64; 4] = [84.0, 48.0, 30.0, 58.0];
 /// So many panels stand below each other before there are two columns.
@@ -104,9 +104,14 @@ impl Field {
             series.points.iter().enumerate().flat_map(move |(k, point)| [point[1] - band(k), point[1] + band(k)])
         }));
         let free = FREE * (hi - lo);
-        let y = [lo - free, hi + free];
+        let mut y = [lo - free, hi + free];
         let per_unit = width / (x[1] - x[0]);
         let height = panel.exaggeration.map_or(USUAL[columns - 1], |factor| factor * per_unit * (y[1] - y[0]));
+        if height < HEIGHTS[0] {
+            // A low field shows more above and below, so that all fields have the same exaggeration.
+            let (middle, half) = ((y[0] + y[1]) / 2.0, (y[1] - y[0]) / 2.0 * HEIGHTS[0] / height);
+            y = [middle - half, middle + half];
+        }
         Self { x, y, width, height: height.clamp(HEIGHTS[0], HEIGHTS[1]) }
     }
 
@@ -126,7 +131,7 @@ impl Field {
             shapes.push(Shape::Line { points: vec![[x, top], [x, bottom]], color: GRID, width: 1.0 });
             shapes.push(text(scale::number(tick), [x, bottom + 20.0], Align::Center));
         }
-        for tick in ticks(self.y, self.height / 45.0) {
+        for tick in ticks(self.y, self.height / 32.0) {
             let y = at([self.x[0], tick])[1];
             shapes.push(Shape::Line { points: vec![[left, y], [right, y]], color: GRID, width: 1.0 });
             shapes.push(text(scale::number(tick), [left - 8.0, y + 5.0], Align::Right));
