@@ -100,9 +100,14 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         None => unit.name.clone(),
     });
     let size = hi - lo;
+    let is_surface = output::check_extension(path, "surfaces", &SURFACE_EXTENSIONS).is_ok();
+    let offset = match is_surface {
+        true => String::new(),
+        false => format!(", offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z),
+    };
     let kind = if mesh.base.is_some() { "solid" } else { "shell" };
     console.say(&format!(
-        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} {unit}, offset {} {} {})",
+        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} {unit}{offset})",
         path.display(),
         mesh.vertices.len(),
         mesh.triangles.len(),
@@ -110,9 +115,6 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         size.y,
         lo.z,
         hi.z,
-        mesh.origin.x,
-        mesh.origin.y,
-        mesh.origin.z,
     ));
     console.say(&format!("           {}", placement(path, mesh)));
     let flat = flattened(path, mesh);
