@@ -9,7 +9,7 @@ use tokosen::base::error::Finding;
 use tokosen::draw::chart::{Chart, MOST_PANELS, Panel, Series};
 use tokosen::io::{Content, PlannedOutput, VectorSource};
 use tokosen::surface::Uncertainty;
-use tokosen::terrain::{Profile, ProfileParams, ProfileRun, Side, read_profile};
+use tokosen::terrain::{Pair, Profile, ProfileParams, ProfileRun, Side, read_profile};
 
 use super::compare::side::{self, ReadSides, Sides};
 use super::console::Console;
@@ -83,6 +83,9 @@ pub fn run(args: &ProfileArgs, console: &Console) -> Result<(), Failure> {
     let sides = Sides { input, b: args.b.as_ref(), grid: None, surface, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, .. } = side::read(sides, &contents, &mut findings, console)?;
     side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()]);
+    if let Some(nodes) = a.nodes() {
+        Pair::refuse_degrees(&nodes, input.map.file())?;
+    }
     let sides: Vec<&Side> = [Some(&a), b.as_ref()].into_iter().flatten().collect();
     let metres = |length: Option<f64>| length.map(|length| args.to_unit.unit().metres(length));
     let sections = metres(args.sections).zip(metres(args.width)).map(|(every, width)| [every, width]);

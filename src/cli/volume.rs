@@ -10,7 +10,7 @@ use tokosen::dem::volume::{Heights, Volume};
 use tokosen::draw::chart::{Chart, Panel, Series};
 use tokosen::io::{Content, PlannedOutput, VectorSource};
 use tokosen::surface::Uncertainty;
-use tokosen::terrain::{VolumeSides, heights_of, read_area_on};
+use tokosen::terrain::{Pair, VolumeSides, heights_of, read_area_on};
 
 use super::compare::side::{self, ReadSides, Sides};
 use super::console::Console;
@@ -122,6 +122,7 @@ pub fn run(args: &VolumeArgs, console: &Console) -> Result<(), Failure> {
     let ReadSides { mut a, mut b, nodes } = side::read(sides, &contents, &mut findings, console)?;
     side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()]);
     let nodes = nodes.ok_or_else(|| Failure::Usage("contours need cells: give --cell SIZE or --like RASTER".into()))?;
+    Pair::refuse_degrees(&nodes, args.input.map.file())?;
     let sides = VolumeSides { a: &a, b: b.as_ref() };
     let area = |dem: &_| args.clip.as_ref().map(|clip| read_area_on(dem, clip, memory::available())).transpose();
     let heights = heights_of(sides, &nodes, area, console).map_err(|error| error.in_file(args.input.map.file()))?;

@@ -91,7 +91,7 @@ impl Pair {
         if !looks_like_degrees(grid, crs.as_ref()) {
             return Ok(());
         }
-        let message = "the coordinates look like degrees, but neither A nor B names a system; name it first, for \
+        let message = "the coordinates look like degrees, but no file names a system; name it first, for \
                        example with 'gdal_translate -a_srs EPSG:6668'";
         Err(Error::file(path, message))
     }

@@ -69,10 +69,10 @@ fn near(found: f64, wanted: f64, share: f64) {
 fn volumes_of_a_cone_are_those_of_the_formula() {
     let folder = Folder::new();
     folder.put("cone.tif", &dem(|p| 150.0 - 0.5 * p.length()));
-    let said = folder.succeeds("volume cone.tif --levels 100:140:10 --sigma 0.2 -o cone.csv -o cone.svg -o cone.png");
+    let said = folder.succeeds("volume cone.tif --levels 100:130:10 --sigma 0.2 -o cone.csv -o cone.svg -o cone.png");
     assert!(said.contains("level 100 m: cut") && said.contains("net ± at most 32000 m³"), "{said}");
     let rows = folder.table("cone.csv");
-    assert_eq!(rows.len(), 5);
+    assert_eq!(rows.len(), 4);
     for row in &rows {
         let radius = (150.0 - of(row, "level_m")) * 2.0;
         near(of(row, "cut_m3"), PI * radius * radius * radius * 0.5 / 3.0, 0.005);

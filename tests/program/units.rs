@@ -255,7 +255,7 @@ fn a_map_in_feet_is_told_of_in_feet() {
     folder.put("feet.geojson", &map);
     for command in ["check feet.geojson -v", "densify feet.geojson -i 10 --to-unit ft -v -o out.geojson"] {
         let said = folder.succeeds(command);
-        assert!(said.contains("contour 80 ft (feature 2) is the same line as that of feature 4"), "{said}");
+        assert!(said.contains("contour 80 ft (feature 3) is the same line as that of feature 1"), "{said}");
         assert!(said.contains("a gap of 0.01 ft in the contour 120 ft"), "{said}");
         assert!(said.contains("3 levels from 40 to 120 ft, vertical interval 40 ft"), "{said}");
         let metres = |word: &str| word == "m" || word == "m," || word == "m;";
