@@ -76,7 +76,8 @@ fn volumes_of_a_cone_are_those_of_the_formula() {
     for row in &rows {
         let radius = (150.0 - of(row, "level_m")) * 2.0;
         near(of(row, "cut_m3"), PI * radius * radius * radius * 0.5 / 3.0, 0.005);
-        near(of(row, "cut_area_m2"), PI * radius * radius, 0.005);
+        // The area is a number of whole cells.
+        near(of(row, "cut_area_m2"), PI * radius * radius, 0.01);
         near(of(row, "cut_area_m2") + of(row, "fill_area_m2"), 160_000.0, 1e-9);
         assert_eq!(of(row, "net_error_most_m3"), 32_000.0);
     }

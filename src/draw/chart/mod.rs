@@ -102,8 +102,8 @@ mod tests {
         {
             assert!(svg.contains(text), "{text}: {svg}");
         }
-        // Two lines, one of them in two parts, of which one is a single point.
-        assert_eq!(svg.matches("<polygon").count(), 1);
+        // The band, and its sample in the legend.
+        assert_eq!(svg.matches("<polygon").count(), 2);
         let blue = picture.pixels().filter(|p| p.0[2] > p.0[0].saturating_add(80)).count();
         assert!(blue > 100, "{blue}");
     }
