@@ -110,7 +110,7 @@ fn side_of_contours(
         uncertainty: args.uncertainty,
         ..args.surface.options(grid.as_ref(), Triangles::Reference, ElevationUnit::Metre)?
     };
-    let mut terrain = build(&mut input, &args.surface, &options, console)?;
+    let mut terrain = build(&mut input, args.surface, &options, console)?;
     // Each side may have a working plane of its own.
     for finding in &mut terrain.findings {
         finding.place = finding.place.and_then(|p| terrain.reprojection.in_input(p));

@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(FEET.height(UsSurveyFoot.metres(50.0)), "50 ft");
         assert_eq!(FEET.height(UsSurveyFoot.metres(-12.5)), "-12.5 ft");
         assert_eq!(
-            [20.0, 0.1, 1234.567_891, 1e-6].map(|z| Units::METRES.height(z)),
+            [20.0, 0.1, 1_234.567_891, 1e-6].map(|z| Units::METRES.height(z)),
             ["20 m", "0.1 m", "1234.5679 m", "0.000001 m"]
         );
         assert_eq!([FEET.rough_height(0.75), Units::METRES.rough_height(0.75)], ["2.5 ft", "0.75 m"]);
