@@ -45,11 +45,14 @@ pub fn describe(base: &BaseJoin, console: &Console) {
     if *border == 0 || *filled == 0 {
         return;
     }
+    let units = console.units();
     let fades = match *fade > 0.0 {
-        true => format!("it fades over {fade:.0} m"),
+        true => format!("it fades over {}", units.length(*fade)),
         false => "it does not fade: there is a step".into(),
     };
     console.say(&format!(
-        "           surface minus base at {border} cells of the border: median {median:.2} m, largest {largest:.2} m; {fades}"
+        "           surface minus base at {border} cells of the border: median {}, largest {}; {fades}",
+        units.height((median * 100.0).round() / 100.0),
+        units.height((largest * 100.0).round() / 100.0)
     ));
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tokosen::Input;
-use tokosen::base::ElevationUnit;
+use tokosen::base::Units;
 use tokosen::base::error::{Error, Finding};
 use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
@@ -17,6 +17,7 @@ use tokosen::surface::Surface;
 
 use super::Common;
 use super::flags::Flags;
+use super::hints::TakesUnit;
 use super::progress::Track;
 use super::run_file::{Record, RunFile, further};
 
@@ -38,7 +39,7 @@ pub struct Console {
     pub overwrite: bool,
     started: Instant,
     reprojection: OnceLock<Reprojection>,
-    unit: OnceLock<ElevationUnit>,
+    units: OnceLock<Units>,
     track: Arc<Mutex<Track>>,
     state: Mutex<State>,
     /// The flags that are given.
@@ -75,10 +76,10 @@ impl Console {
         record: Option<Record>,
         repeated: Option<RunFile>,
     ) -> Self {
-        let (reprojection, unit, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        let (reprojection, units, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
         let track = Arc::new(Mutex::new(Track::new()));
         let started = Instant::now();
-        Self { quiet, shown, verbose, overwrite, started, reprojection, unit, track, state, flags, record, repeated }
+        Self { quiet, shown, verbose, overwrite, started, reprojection, units, track, state, flags, record, repeated }
     }
 
     /// Says which steps will come, for the share that is done and the time that is left.
@@ -87,11 +88,11 @@ impl Console {
     }
 
     /// Sets what is said about the input: the conversion of places in findings from the working plane to its
-    /// coordinates, and the unit that its elevations had.
+    /// coordinates, and its units.
     pub fn set_input(&self, input: &Input) {
         // The input is read once.
         let _ = self.reprojection.set(input.reprojection.clone());
-        let _ = self.unit.set(input.unit());
+        let _ = self.units.set(input.units());
     }
 
     /// Checks the paths of a run before the work, see [`check_paths`]; notes the inputs if the run is saved.
@@ -125,9 +126,15 @@ impl Console {
         Ok(())
     }
 
-    /// The unit that the elevations of the input had; metres before it is read.
-    pub fn unit(&self) -> ElevationUnit {
-        self.unit.get().copied().unwrap_or_default()
+    /// The units of the input, in which figures about it are printed; metres before it is read.
+    pub fn units(&self) -> Units {
+        self.units.get().copied().unwrap_or(Units::METRES)
+    }
+
+    /// Whether --unit applies to the run.
+    pub fn takes_unit(&self) -> TakesUnit {
+        let reads_heights = self.units.get().is_some() || self.flags.first(&["--points"]).is_some();
+        if reads_heights { TakesUnit::Yes } else { TakesUnit::No }
     }
 
     /// The conversion between the working plane and the input's coordinates, once the input is read.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use geo::MultiPolygon;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, FindingKind};
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::preview::height_map_picture;
@@ -151,7 +151,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         })?,
     };
     if let Some(staged) = &picture {
-        console.step("drawing", || draw(staged, &shown, &found))?;
+        console.step("drawing", || draw(staged, &shown, &found, unit))?;
     }
 
     summary::findings(&findings, console);
@@ -210,10 +210,12 @@ impl ContourArgs {
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", self.dem.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
+        let units = Units::all(self.levels.to_unit.unit());
         if let (Some(change), Some(deviation)) = (&found.smoothing, self.smooth) {
             console.say(&format!(
-                "smoothed   Gaussian with a standard deviation of {deviation}; largest change of a height {:.3} m, RMS {:.3} m",
-                change.largest, change.rms
+                "smoothed   Gaussian with a standard deviation of {deviation}; largest change of a height {}, RMS {}",
+                units.rough_height(change.largest),
+                units.rough_height(change.rms)
             ));
         }
         let kind = if self.tolerance.is_some() { "" } else { " (half a cell)" };
@@ -241,9 +243,9 @@ fn shown(dem: &Dem, part: &MultiPolygon<f64>) -> Dem {
     around.clone().inside(part).unwrap_or(around)
 }
 
-fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours) -> Result<(), Error> {
+fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours, unit: ElevationUnit) -> Result<(), Error> {
     let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
-    let picture = height_map_picture(dem, finest.map_or(&[], |layer| &layer.lines))?;
+    let picture = height_map_picture(dem, finest.map_or(&[], |layer| &layer.lines), Units::all(unit))?;
     let path: &Path = &staged.path();
     write_picture(path, &picture).map_err(|e| staged.with_final_name(e))
 }
@@ -262,10 +264,14 @@ fn why_empty(levels: &[f64], [low, high]: [f32; 2], unit: ElevationUnit, is_part
             "the level {} is the lowest height, and a height equal to a level is above it",
             in_unit(*level, unit)
         ),
-        None => format!("none of its levels is between the lowest and the highest height, {low} m and {high} m"),
+        None => format!(
+            "none of its levels is between the lowest and the highest height, {} and {}",
+            Units::all(unit).height(f64::from(low)),
+            Units::all(unit).height(f64::from(high))
+        ),
     }
 }
 
 fn in_unit(level: f64, unit: ElevationUnit) -> String {
-    format!("{} {}", unit.from_metres(level), unit.symbol())
+    Units::all(unit).height(level)
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::Options;
+use tokosen::base::error::Report;
 use tokosen::draw::preview::picture;
 use tokosen::surface::Triangles;
 
@@ -33,9 +34,10 @@ pub struct DemArgs {
     #[command(flatten)]
     input: InputArgs,
     /// Height map to write: GeoTIFF (.tif), OpenEXR (.exr), PNG (.png), ESRI ASCII grid (.asc) or text (.xyz). Or terrain
-    /// tiles (with --max-zoom): .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.png'
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    output: PathBuf,
+    /// tiles (with --max-zoom): .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.png'. Give it again for the same heights in another
+    /// format: -o dem.tif -o dem.exr
+    #[arg(short, long, value_name = "FILE", help_heading = "Output", required = true)]
+    output: Vec<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -65,43 +67,57 @@ Examples:
   tokosen dem contours.gpkg --cell 10 --to-unit us-ft -o feet.tif
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox
+  tokosen dem contours.gpkg --cell 10 -o dem.tif -o dem.exr -o dem.asc
   tokosen dem contours.gpkg --max-zoom 13 -o terrain.pmtiles";
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let crs = args.to_crs.to_crs.as_ref();
-    args.height_map.check(&args.output, crs, args.to_unit.unit())?;
+    args.output.iter().try_for_each(|path| args.height_map.check(path, crs, args.to_unit.unit()))?;
     args.surface.check(&console.flags)?;
     let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
-    let outputs = [args.output.as_path().into()].into_iter().chain(args.diagnostics.planned());
+    let outputs = args.output.iter().map(|path| path.as_path().into()).chain(args.diagnostics.planned());
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     console.plan(["writing"]);
     let diagnostics = args.diagnostics.open()?;
-    let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
+    let open = |path: &PathBuf| DemOutput::open(path, &args.height_map, crs, args.to_unit.unit());
+    let outputs: Vec<DemOutput> = args.output.iter().map(open).collect::<Result<_, _>>()?;
+    // All of them have the same cells.
+    let grid = outputs.first().map(|output| &output.grid);
 
     let sea = args.surface.water.sea_in_metres(args.to_unit.unit());
-    let scope = Scope { part: Some(&args.part), sea, grid: Some(&output.grid), ..Scope::of(&args.surface.frame) };
+    let scope = Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) };
     let mut input = job.read(scope)?;
     args.base.add_to(&mut input, console)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
         base_fade: args.base.base_fade,
-        ..args.surface.options(Some(&output.grid), Triangles::Reference, args.to_unit.unit())?
+        ..args.surface.options(grid, Triangles::Reference, args.to_unit.unit())?
     };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
-    let map = output.write(&terrain, console)?.collect(&mut terrain.findings);
+    let mut maps = Vec::new();
+    for output in &outputs {
+        let Report { value, findings } = output.write(&terrain, console)?;
+        // The findings are about the heights, which are the same in each file.
+        if maps.is_empty() {
+            terrain.findings.extend(findings);
+        }
+        maps.push(value);
+    }
     job.check_strict(&terrain.findings)?;
     let wants_pits = diagnostics.is_some() || console.flags.first(&ABOUT_PITS).is_some();
-    let pits = wants_pits.then(|| terrain.pits_of(&map.map.dem, &output.grid)).transpose()?;
+    let first = maps.first().zip(grid).filter(|_| wants_pits);
+    let pits = first.map(|(map, grid)| terrain.pits_of(&map.map.dem, grid)).transpose()?;
     diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
-    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
+    let units = args.to_unit.drawn(console.units());
+    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection, units))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     pits.iter().for_each(|pits| summary::pits(pits, "height map", console));
-    map.map.base.iter().for_each(|base| base::describe(base, console));
-    output.commit(&map, console)?;
+    maps.iter().take(1).filter_map(|map| map.map.base.as_ref()).for_each(|base| base::describe(base, console));
+    outputs.into_iter().zip(&maps).try_for_each(|(output, map)| output.commit(map, console))?;
     diagnostics.map(|file| file.commit(console)).transpose()?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

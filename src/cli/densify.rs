@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;
@@ -162,7 +162,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
-    job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
+    job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection, Units::all(unit)))?;
 
     let findings = std::mem::take(&mut terrain.findings);
     job.report(&findings, &terrain.surface.map);
@@ -270,8 +270,9 @@ impl DensifyArgs {
     fn explain_coarse(&self, target: &Target, interval: f64, console: &Console) {
         if !self.keep_input && target.is_coarser(self.levels.to_unit.unit(), interval) {
             console.say(&format!(
-                "           the interval is coarser than the {interval} m of the input: contours at other levels are left \
-                 out (--keep-input keeps them)"
+                "           the interval is coarser than the {} of the input: contours at other levels are left \
+                 out (--keep-input keeps them)",
+                console.units().height(interval)
             ));
         }
     }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use clap::Args;
 use tokosen::Options;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding, FindingKind};
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{Derivative, Derived, HeightsFrom, SteepParams, Steeps, check, steep, steep_note};
 use tokosen::io::layer::{STEEP_LAYER, steep_areas};
@@ -318,11 +318,11 @@ impl DeriveArgs {
 fn describe(path: &Path, steeps: &Steeps, args: &DeriveArgs, console: &Console) {
     let area: f64 = steeps.parts.iter().map(|part| part.area).sum();
     console.say(&format!(
-        "steep      {} areas of at least {} degrees and {} m, {:.2} hectares; {} lower areas were not written",
+        "steep      {} areas of at least {} degrees and {} m, {}; {} lower areas were not written",
         steeps.areas,
         args.steep_angle,
         args.steep_height,
-        area / 10_000.0,
+        Units::METRES.area(area),
         steeps.too_low
     ));
     console.say(&format!("written    {}, layer steep ({} polygons)", path.display(), steeps.parts.len()));

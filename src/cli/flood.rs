@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::dem::derive::{Flood, FlowDirections, StreamFlood, flood_along_streams, flood_to_level};
 use tokosen::io::layer::of_flood;
@@ -111,7 +112,7 @@ impl FloodArgs {
             }
             (Some(FloodLevel::At(level)), _) => {
                 let places = places::read(&self.flood_from, dem.crs.as_ref(), findings)?;
-                let from = flood_source(&places, dem, level)?;
+                let from = flood_source(&places, dem, level)?.collect(findings);
                 console.step("flood", || flood_to_level(dem, scale, level, &from, memory))?
             }
             _ => return Err(Failure::Usage("--flood needs --flood-level LEVEL or +H".into())),
@@ -135,8 +136,8 @@ impl FloodArgs {
             None => String::new(),
         };
         console.say(&format!(
-            "flood      {level}: {:.2} hectares, {:.0} m³, depth {:.2} m at most",
-            flood.area / 1e4,
+            "flood      {level}: {}, {:.0} m³, depth {:.2} m at most",
+            Units::METRES.area(flood.area),
             flood.volume,
             flood.deepest
         ));

@@ -45,9 +45,20 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
     sentence + &hint
 }
 
+/// Whether --unit applies to a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakesUnit {
+    /// It does.
+    Yes,
+    /// The run reads height maps alone, and refuses it.
+    No,
+}
+
 /// The flag that helps with findings of the kind of this one.
-pub fn for_kind_of(finding: &Finding) -> Option<String> {
+/// `takes_unit` says whether the run reads what --unit is about: contours, or points with heights.
+pub fn for_kind_of(finding: &Finding, takes_unit: TakesUnit) -> Option<String> {
     match finding.kind {
+        FindingKind::UnitDoubt if takes_unit == TakesUnit::No => None,
         FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours".into()),
         FindingKind::PlaneUnit => Some(
             "--plane-unit m, --plane-unit ft or --plane-unit us-ft states the unit of x and y; --crs names their coordinate \

@@ -198,19 +198,23 @@ impl MapArgs {
 
     /// The lines of the summary that describe the input.
     pub fn describe(&self, map: &ContourMap, console: &Console) {
+        let units = console.units();
         let levels = || map.contours.iter().map(|c| c.elevation);
         let (low, high) = levels().fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(z), m.1.max(z)));
         let mut distinct: Vec<f64> = levels().collect();
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
-        let interval = find_interval(&map.contours).map_or("unknown".into(), |i| format!("{} m", i.step));
+        let interval = find_interval(&map.contours).map_or("unknown".into(), |i| units.height(i.step));
         console.say(&format!("input      {}", self.name()));
         let vertices = if console.verbose { format!(", {} vertices", map.vertex_count()) } else { String::new() };
         let size = format!("{} lines{vertices}", map.contours.len());
         let what = match distinct.len() {
             0 => "none".to_owned(),
-            1 => format!("{size}, all at {low} m"),
-            n => format!("{size}, {n} levels from {low} to {high} m, vertical interval {interval}"),
+            1 => format!("{size}, all at {}", units.height(low)),
+            n => {
+                let (low, high) = (units.height_number(low), units.height(high));
+                format!("{size}, {n} levels from {low} to {high}, vertical interval {interval}")
+            }
         };
         console.say(&format!("contours   {what}"));
         let soft = map.soft_spots.len();
@@ -218,9 +222,9 @@ impl MapArgs {
             let of_them = if soft > 0 { format!(", {soft} of them with a standard error") } else { String::new() };
             console.say(&format!("spots      {}{of_them}", map.spots.len() + soft));
         }
-        if console.unit().is_foot() {
-            let unit = console.unit().name();
-            console.say(&format!("unit       the elevations of the input were {unit}; these figures are in metres"));
+        if units.heights.is_foot() {
+            let unit = units.heights.name();
+            console.say(&format!("unit       the elevations of the input are {unit}, and so are these figures"));
         }
         console.say(&format!("crs        {}", plane::describe(map, console.reprojection())));
         if let Some(why) = plane::why_not_wgs84(console.reprojection()).filter(|_| self.work_crs.is_none()) {

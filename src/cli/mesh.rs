@@ -6,7 +6,7 @@ use clap::Args;
 use tokosen::base::ElevationUnit;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::StagedOutput;
-use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, placement, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams};
 use tokosen::surface::Triangles;
 
@@ -29,7 +29,8 @@ use super::{output, summary};
 pub struct MeshArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb)
+    /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb); or a surface of triangles in map coordinates:
+    /// LandXML 1.2 (.xml), or DXF with a 3DFACE for each triangle (.dxf)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m]
@@ -48,11 +49,18 @@ const EXAMPLES: &str = "\
 Examples:
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
+  tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
 
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
-    output::check_extension(&args.output, "models", &MESH_EXTENSIONS)?;
+    output::check_extension(&args.output, "models", &[MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS].concat())?;
+    let is_surface = output::check_extension(&args.output, "surfaces", &SURFACE_EXTENSIONS).is_ok();
+    if args.base_height.is_some() && is_surface {
+        return Err(Failure::Usage(
+            "--base-height makes a solid, which .xml and .dxf cannot hold: write .ply, .obj or .glb".into(),
+        ));
+    }
     args.surface.check(&console.flags)?;
     let job = Job::start(
         &args.input,
@@ -75,7 +83,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     job.draw(|| {
         let contours = &terrain.input_contours()?.lines;
         let break_lines = &terrain.surface.break_lines;
-        render_model(&Model { mesh: &model, contours, break_lines, title: None })
+        render_model(&Model { mesh: &model, contours, break_lines, units: console.units(), title: None })
     })?;
 
     job.report(&terrain.findings, &terrain.surface.map);
@@ -92,9 +100,14 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         None => unit.name.clone(),
     });
     let size = hi - lo;
+    let is_surface = output::check_extension(path, "surfaces", &SURFACE_EXTENSIONS).is_ok();
+    let offset = match is_surface {
+        true => String::new(),
+        false => format!(", offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z),
+    };
     let kind = if mesh.base.is_some() { "solid" } else { "shell" };
     console.say(&format!(
-        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} {unit}, offset {} {} {})",
+        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} {unit}{offset})",
         path.display(),
         mesh.vertices.len(),
         mesh.triangles.len(),
@@ -102,9 +115,6 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         size.y,
         lo.z,
         hi.z,
-        mesh.origin.x,
-        mesh.origin.y,
-        mesh.origin.z,
     ));
     console.say(&format!("           {}", placement(path, mesh)));
     let flat = flattened(path, mesh);

@@ -36,8 +36,10 @@ mod part;
 mod places;
 mod plan;
 mod plane;
+mod profile;
 mod progress;
 mod regions;
+mod results;
 mod run_file;
 mod skeleton;
 mod source;
@@ -47,6 +49,7 @@ mod surface;
 mod terrain_tiles;
 mod tiles;
 mod unit;
+mod volume;
 mod work;
 mod zooms;
 
@@ -81,6 +84,8 @@ Examples:
   tokosen derive dem.tif --slope slope.tif --steep steep.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen compare contours.gpkg published_dem.tif --report compare.html
+  tokosen profile contours.gpkg --line road.gpkg -o profile.svg
+  tokosen volume dem.tif --levels 700:760:1 -o storage.csv
   tokosen check contours.gpkg -o findings.gpkg
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
@@ -98,6 +103,8 @@ enum Verb {
     Derive(Box<derive::DeriveArgs>),
     Mesh(Box<mesh::MeshArgs>),
     Compare(Box<compare::CompareArgs>),
+    Profile(Box<profile::ProfileArgs>),
+    Volume(Box<volume::VolumeArgs>),
     Check(Box<check::CheckArgs>),
     Regions(Box<regions::RegionsArgs>),
     Skeleton(Box<skeleton::SkeletonArgs>),
@@ -228,6 +235,8 @@ impl Verb {
             Self::Derive(args) => derive::run(args, console),
             Self::Mesh(args) => mesh::run(args, console),
             Self::Compare(args) => compare::run(args, console),
+            Self::Profile(args) => profile::run(args, console),
+            Self::Volume(args) => volume::run(args, console),
             Self::Check(args) => check::run(args, console),
             Self::Regions(args) => regions::run(args, console),
             Self::Skeleton(args) => skeleton::run(args, console),

@@ -120,6 +120,11 @@ mod tests {
         ("--tolerance", "-1", Taken),
         ("--smooth", "-1", Taken),
         ("--sigma", "-1", Taken),
+        ("--level", "-1.5", Taken),
+        ("--step", "-1", Taken),
+        ("--sections", "-1", Taken),
+        ("--width", "-1", Taken),
+        ("--exaggeration", "-1", Taken),
         ("--threads", "-1", Refused),
         ("--zooms", "-1:5", Refused),
         ("--max-zoom", "-1", Refused),
@@ -181,7 +186,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 163;
+    const CASES: usize = 197;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

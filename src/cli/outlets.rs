@@ -1,6 +1,7 @@
 //! The arguments about outlets, and the catchments above them.
 
 use clap::Args;
+use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::crs::Crs;
 use tokosen::raster::{Dem, GroundScale};
@@ -42,17 +43,18 @@ impl OutletArgs {
 
 /// The lines of the summary.
 pub fn describe(found: &Outlets, crs: Option<&Crs>, console: &Console) {
+    let units = Units::METRES;
     let shown = if console.verbose { found.outlets.len() } else { DESCRIBED };
     for (k, (outlet, name)) in found.outlets.iter().zip(&found.names).enumerate().take(shown) {
         let first = found.outlets.iter().position(|other| other.cell == outlet.cell).filter(|first| *first < k);
         let same = first.map(|first| format!("; the same place as outlet {}", first + 1)).unwrap_or_default();
         console.say(&format!(
-            "outlet     {}: {name}, moved by {:.1} m (at most {:.1} m) to {}; {:.4} km² above it{same}",
+            "outlet     {}: {name}, moved by {} (at most {}) to {}; {} above it{same}",
             k + 1,
-            outlet.moved,
-            found.distance,
+            units.length(outlet.moved),
+            units.length(found.distance),
             Place::at(outlet.place, crs).name,
-            outlet.area / 1e6,
+            units.area(outlet.area),
         ));
     }
     if found.outlets.len() > shown {

@@ -55,9 +55,9 @@ pub struct GridArgs {
 pub struct HeightMapArgs {
     #[command(flatten)]
     pub grid: GridArgs,
-    /// How heights are stored in a .png; in terrain tiles: terrarium, mapbox or gsi, and terrarium by default
-    #[arg(long, value_enum, default_value_t = PngArg::Gray16, hide_short_help = true)]
-    pub png_encoding: PngArg,
+    /// How heights are stored in a .png, or in terrain tiles, which cannot be gray16 [default: gray16; in tiles terrarium]
+    #[arg(long, value_enum, hide_short_help = true)]
+    pub png_encoding: Option<PngArg>,
     #[command(flatten)]
     pub cog: CogArgs,
     /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second
@@ -171,7 +171,7 @@ impl HeightMapArgs {
     /// The tiles that a path asks for; none if it is another file. `crs` is the system that the cells are to be in, if it is
     /// named.
     pub fn tiles(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Option<TerrainTiles>, Failure> {
-        let tiles = self.tiles.tiles(path, crs, unit, self.png())?;
+        let tiles = self.tiles.tiles(path, crs, unit, self.png_encoding.map(PngArg::encoding))?;
         if tiles.is_some() && self.uncertainty {
             let message = "terrain tiles hold heights only, so --uncertainty does not apply";
             return Err(Failure::Usage(format!("{}: {message}", path.display())));
@@ -189,11 +189,18 @@ impl HeightMapArgs {
 
     /// How a PNG stores heights.
     pub fn png(&self) -> PngEncoding {
-        match self.png_encoding {
-            PngArg::Gray16 => PngEncoding::Gray16,
-            PngArg::Gsi => PngEncoding::Gsi,
-            PngArg::Terrarium => PngEncoding::Terrarium,
-            PngArg::Mapbox => PngEncoding::Mapbox,
+        self.png_encoding.unwrap_or(PngArg::Gray16).encoding()
+    }
+}
+
+impl PngArg {
+    /// The library's encoding.
+    fn encoding(self) -> PngEncoding {
+        match self {
+            Self::Gray16 => PngEncoding::Gray16,
+            Self::Gsi => PngEncoding::Gsi,
+            Self::Terrarium => PngEncoding::Terrarium,
+            Self::Mapbox => PngEncoding::Mapbox,
         }
     }
 }
@@ -263,12 +270,13 @@ impl DemOutput {
                 format: DemFormat::Tiles(tiles, path.to_owned()),
             });
         }
-        let is_colour = wanted.png_encoding != PngArg::Gray16;
+        let encoding = wanted.png_encoding.unwrap_or(PngArg::Gray16);
+        let is_colour = encoding != PngArg::Gray16;
         if is_colour && extension(path) != "png" {
             let message = format!("{}: --png-encoding applies to height maps in .png", path.display());
             return Err(Failure::Usage(message));
         }
-        if let Some(value) = wanted.png_encoding.to_possible_value().filter(|_| is_colour && unit.is_foot()) {
+        if let Some(value) = encoding.to_possible_value().filter(|_| is_colour && unit.is_foot()) {
             let message = format!("--png-encoding {} holds metres only, so --to-unit cannot be feet", value.get_name());
             return Err(Failure::Usage(message));
         }
@@ -282,12 +290,13 @@ impl DemOutput {
 
     /// Rasterises the surface and writes the file, still under its temporary name. The findings are about the base.
     pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Report<WrittenDem>, Failure> {
-        let Report { value: map, findings } = terrain.height_map(&self.grid, console)?;
+        let Report { value: map, mut findings } = terrain.height_map(&self.grid, console)?;
         let HeightMap { dem, errors, .. } = &map;
         let mut tiles = None;
         let written = match &self.format {
             DemFormat::Tiles(params, path) => {
                 write_terrain_tiles(&self.staged, path, dem, params, console).map(|written| {
+                    findings.extend(terrain_tiles::beyond_map(params, &written));
                     tiles = Some(written);
                 })
             }

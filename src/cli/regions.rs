@@ -76,9 +76,10 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     layer = part.iter().fold(layer, clip_areas);
     let written = layer.rows.len();
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
+    let units = args.to_unit.drawn(console.units());
     job.draw(|| {
         let patches = landform_patches(&forms, &subdivision.tin);
-        subdivision_picture(&subdivision, &[], Some(&patches), &input.reprojection)
+        subdivision_picture(&subdivision, &[], Some(&patches), &input.reprojection, units)
     })?;
 
     job.report(&input.findings, &subdivision.map);

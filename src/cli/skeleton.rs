@@ -116,9 +116,10 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
         }
         write_layers_back(&staged, &layers, &back)
     })?;
+    let units = args.to_unit.drawn(console.units());
     job.draw(|| {
         let patches = args.triangles.then(|| triangle_patches(&subdivision.tin, &found));
-        subdivision_picture(&subdivision, &found.lines, patches.as_ref(), &input.reprojection)
+        subdivision_picture(&subdivision, &found.lines, patches.as_ref(), &input.reprojection, units)
     })?;
 
     job.report(&input.findings, &subdivision.map);
@@ -139,8 +140,9 @@ fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
         let length = lines.iter().map(|l| l.length()).fold(0.0, |sum, length| sum + length);
         let ends = |wanted| lines.iter().flat_map(|l| l.ends).filter(|end| *end == wanted).count();
         console.say(&format!(
-            "{name:<10} {} lines, length {length:.0} m; ends: {} at contours, {} at junctions, {} at the frame",
+            "{name:<10} {} lines, length {}; ends: {} at contours, {} at junctions, {} at the frame",
             lines.len(),
+            console.units().length(length),
             ends(LineEnd::Contour),
             ends(LineEnd::Junction),
             ends(LineEnd::Frame),
@@ -157,8 +159,9 @@ fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
     }
     if skeleton.flow.moved > 0 {
         console.say(&format!(
-            "heights    {} points of lines changed, by {:.2} m at most, because lines must fall steadily",
-            skeleton.flow.moved, skeleton.flow.most_moved
+            "heights    {} points of lines changed, by {} at most, because lines must fall steadily",
+            skeleton.flow.moved,
+            console.units().rough_height(skeleton.flow.most_moved)
         ));
     }
 }

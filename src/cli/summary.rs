@@ -70,7 +70,7 @@ fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Cons
     } else if list.len() > shown {
         print(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
     }
-    if let Some(hint) = list.first().and_then(|finding| hints::for_kind_of(finding)) {
+    if let Some(hint) = list.first().and_then(|finding| hints::for_kind_of(finding, console.takes_unit())) {
         print(console, &format!("    {hint}"));
     }
 }
@@ -108,19 +108,23 @@ pub fn surface(surface: &Surface, console: &Console) {
     if let Some(chosen) = &surface.chosen {
         hyper_parameters(chosen, console);
     }
+    let units = console.units();
     let water = || surface.regions.regions.iter().filter_map(|region| region.water);
     if let (Some(lowest), Some(highest)) = (water().reduce(f64::min), water().reduce(f64::max)) {
         let heights = if lowest < highest {
-            format!("heights {lowest:.2} to {highest:.2}")
+            format!("heights {} to {}", units.height_number(hundredths(lowest)), units.height(hundredths(highest)))
         } else {
-            format!("height {lowest:.2}")
+            format!("height {}", units.height(hundredths(lowest)))
         };
-        console.say(&format!("water      {} areas, {heights} m", water().count()));
+        console.say(&format!("water      {} areas, {heights}", water().count()));
     }
     streams(&surface.streams, console);
     let change = largest_stream_change(surface);
     if change > surface.stream_tolerance {
-        console.say(&format!("           height maps change by up to {change:.2} m so that streams fall"));
+        console.say(&format!(
+            "           height maps change by up to {} so that streams fall",
+            units.rough_height(change)
+        ));
     }
     break_lines(&surface.creases, console);
     if let Some(chosen) = &surface.chosen {
@@ -140,7 +144,10 @@ pub fn surface(surface: &Surface, console: &Console) {
             .filter(|e| e.is_finite())
             .collect();
         let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
-        console.say(&format!("errors     standard error {} (root mean square), {provenance}", metres(mean)));
+        console.say(&format!(
+            "errors     standard error {} (root mean square), {provenance}",
+            console.units().rough_height(mean)
+        ));
     }
 }
 
@@ -157,8 +164,9 @@ pub fn streams(streams: &[Stream], console: &Console) {
     let share = |which: &dyn Fn(&Stream) -> bool| 100.0 * length(which) / all;
     let (turned, moved) = (share(&|stream| stream.turned), share(&|stream| stream.shift > 0.0));
     console.say(&format!(
-        "streams    {} pieces, length {all:.0} m; {turned:.0} % of it turned, {moved:.0} % moved",
-        streams.len()
+        "streams    {} pieces, length {}; {turned:.0} % of it turned, {moved:.0} % moved",
+        streams.len(),
+        console.units().length(all)
     ));
 }
 
@@ -170,8 +178,9 @@ fn break_lines(creases: &[Crease], console: &Console) {
     let length = creases.iter().map(Crease::length).fold(0.0, |sum, length| sum + length);
     let surveyed: f64 = creases.iter().map(|crease| crease.length() * crease.surveyed_share()).sum();
     console.say(&format!(
-        "breaklines {} pieces, length {length:.0} m; {:.0} % of it with heights of its own",
+        "breaklines {} pieces, length {}; {:.0} % of it with heights of its own",
         creases.len(),
+        console.units().length(length),
         100.0 * surveyed / length.max(f64::MIN_POSITIVE)
     ));
 }
@@ -216,26 +225,30 @@ fn hyper_parameters(chosen: &Chosen, console: &Console) {
 
 /// Prints the expected accuracy of the smooth surface.
 fn accuracy(chosen: &Chosen, console: &Console) {
+    let units = console.units();
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
         "accuracy   expected error of heights: about {} (RMSE); 90 % of them are within {}",
-        metres(implied.rmse),
-        metres(implied.le90)
+        units.rough_height(implied.rmse),
+        units.rough_height(implied.le90)
     ));
     console.detail(&format!(
-        "           from {} places on hidden contours: RMSE {}, LE90 {} with contours {} m apart; these are {} m apart",
+        "           from {} places on hidden contours: RMSE {}, LE90 {} with contours {} apart; these are {} apart",
         hidden.count,
-        metres(hidden.rmse),
-        metres(hidden.le90),
-        hidden.interval,
-        implied.interval
+        units.rough_height(hidden.rmse),
+        units.rough_height(hidden.le90),
+        units.height(hidden.interval),
+        units.height(implied.interval)
     ));
+    console.detail(
+        "           measured on the surface of this run: its nodes lie at the cells of its height map, so that another --cell, or \
+         none, gives a slightly different figure",
+    );
 }
 
-/// A length with two significant digits.
-fn metres(value: f64) -> String {
-    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
-    format!("{value:.decimals$} m")
+/// A height, rounded to the centimetre.
+fn hundredths(metres: f64) -> f64 {
+    (metres * 100.0).round() / 100.0
 }
 
 /// Prints the number of findings and the time. `outside` is the number of those outside of the part of the map that is

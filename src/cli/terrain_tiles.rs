@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
+use tokosen::base::error::{Finding, FindingKind};
 use tokosen::crs::Crs;
 use tokosen::io::raster::PngEncoding;
 use tokosen::io::tiles::{TerrainTiles, TileFormat, TileImage, WrittenTerrain, pixel_size};
@@ -63,7 +64,7 @@ impl TerrainTileArgs {
         path: &Path,
         crs: Option<&Crs>,
         unit: ElevationUnit,
-        png: PngEncoding,
+        png: Option<PngEncoding>,
     ) -> Result<Option<TerrainTiles>, Failure> {
         let usage = |message: &str| Err(Failure::Usage(format!("{}: {message}", path.display())));
         if TileFormat::of(path).is_none() {
@@ -100,10 +101,12 @@ impl TerrainTileArgs {
             SideArg::Small => 256,
             SideArg::Large => 512,
         };
-        // Grey is the encoding of other files.
         let encoding = match png {
-            PngEncoding::Gray16 => PngEncoding::Terrarium,
-            colours => colours,
+            None => PngEncoding::Terrarium,
+            Some(PngEncoding::Gray16) => {
+                return usage("map libraries read no grey terrain tiles: --png-encoding terrarium, mapbox or gsi");
+            }
+            Some(colours) => colours,
         };
         Ok(Some(TerrainTiles { zoom, side, encoding, image }))
     }
@@ -112,6 +115,22 @@ impl TerrainTileArgs {
 /// The cells that are the pixels of tiles.
 pub fn grid(tiles: &TerrainTiles) -> GridSpec {
     GridSpec::CellIn { size: pixel_size(tiles.zoom, tiles.side), crs: Crs::from_epsg(WEB_MERCATOR) }
+}
+
+/// Tiles of which more than this share lies beyond the height map are a finding.
+const BEYOND: f64 = 0.9;
+
+/// The finding about tiles that lie nearly all beyond the height map.
+pub fn beyond_map(tiles: &TerrainTiles, written: &WrittenTerrain) -> Option<Finding> {
+    let count = written.zooms.last().filter(|zoom| zoom.zoom == tiles.zoom)?.tiles;
+    let pixels = (count * tiles.side * tiles.side) as f64;
+    let share = written.filled as f64 / pixels;
+    let zoom = tiles.zoom;
+    let message = format!(
+        "{:.0} % of the pixels of zoom {zoom} lie beyond the map, which is small beside a tile; choose a higher --max-zoom",
+        100.0 * share
+    );
+    (share > BEYOND).then(|| Finding::general(FindingKind::TilesBeyondMap, message))
 }
 
 /// Prints what is in the tiles.

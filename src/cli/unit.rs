@@ -1,7 +1,7 @@
 //! Units of elevations on the command line: `--unit`, `--to-unit`.
 
 use clap::{Args, ValueEnum};
-use tokosen::base::ElevationUnit;
+use tokosen::base::{ElevationUnit, Units};
 use tokosen::crs::{Crs, FromWorking};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -32,8 +32,8 @@ impl UnitArg {
 #[derive(Debug, Clone, Args)]
 pub struct ToUnitArgs {
     /// Unit of the heights that are written, and of the heights in other options: -i 2 --to-unit ft gives contours every
-    /// 2 feet. Elevations of an input in this unit come back exactly. Pictures, and printed figures about the input and
-    /// the surface, stay in metres
+    /// 2 feet. Elevations of an input in this unit come back exactly. Pictures are in this unit too; printed figures about the
+    /// input and the surface are in the unit of the input
     #[arg(long, value_enum, default_value_t = UnitArg::M, hide_short_help = true)]
     pub to_unit: UnitArg,
 }
@@ -42,6 +42,11 @@ impl ToUnitArgs {
     /// The library's unit.
     pub fn unit(&self) -> ElevationUnit {
         self.to_unit.unit()
+    }
+
+    /// The units of a picture of an input in `units`: feet if heights are written in feet, else those of the input.
+    pub fn drawn(&self, units: Units) -> Units {
+        if self.unit().is_foot() { Units::all(self.unit()) } else { units }
     }
 }
 

@@ -1,9 +1,14 @@
 //! Round numbers: the scale bar, the heights below the tint.
 
+use tokosen_core::base::ElevationUnit;
+
 /// The longest scale bar, as a share of the map's width and in pixels.
 const LONGEST: (f64, f64) = (0.4, 230.0);
 /// Approximate number of labels below the tint.
 const TICKS: f64 = 4.0;
+
+/// Feet in a mile.
+const MILE: f64 = 5280.0;
 
 /// A scale bar.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,16 +22,18 @@ pub(super) struct Bar {
 }
 
 /// A scale bar of a round length on a map of so many pixels across, given the metres in a pixel or else the map units
-/// in one. `None` if a pixel has no sensible size.
-pub(super) fn bar(across: f64, metres: Option<f64>, units: f64) -> Option<Bar> {
-    let pixel = metres.unwrap_or(units);
+/// in one. It is in feet and miles where heights are in feet. `None` if a pixel has no sensible size.
+pub(super) fn bar(across: f64, metres: Option<f64>, units: f64, heights: ElevationUnit) -> Option<Bar> {
     let longest = (across * LONGEST.0).min(LONGEST.1);
-    let length = round_down(pixel * longest)?;
-    let (factor, unit) = match metres {
-        None => (1.0, "map units"),
-        Some(_) if length >= 1000.0 => (1000.0, "km"),
-        Some(_) => (1.0, "m"),
+    let feet = metres.filter(|_| heights.is_foot()).map(|metres| heights.about(metres));
+    let (pixel, factor, unit) = match (metres, feet) {
+        (_, Some(feet)) if feet * longest >= MILE => (feet, MILE, "mi"),
+        (_, Some(feet)) => (feet, 1.0, "ft"),
+        (Some(metres), _) if round_down(metres * longest)? >= 1000.0 => (metres, 1000.0, "km"),
+        (Some(metres), _) => (metres, 1.0, "m"),
+        (None, None) => (units, 1.0, "map units"),
     };
+    let length = round_down(pixel * longest / factor)? * factor;
     let number = number(length / factor);
     Some(Bar { pixels: length / pixel, label: format!("{number} {unit}"), number })
 }
@@ -75,10 +82,11 @@ pub(super) fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tokosen_core::base::ElevationUnit::{Foot, Metre};
 
     #[test]
     fn bars_are_round_in_metres_or_in_map_units() {
-        let label = |metres, units| bar(1000.0, metres, units).map(|bar| bar.label);
+        let label = |metres, units| bar(1000.0, metres, units, Metre).map(|bar| bar.label);
         assert_eq!(label(Some(10.0), 10.0).as_deref(), Some("2 km"));
         assert_eq!(label(Some(1.0), 1.0).as_deref(), Some("200 m"));
         assert_eq!(label(None, 10.0).as_deref(), Some("2000 map units"));
@@ -86,7 +94,10 @@ mod tests {
         assert_eq!(label(Some(10.0 * 1200.0 / 3937.0), 10.0).as_deref(), Some("500 m"));
         assert_eq!(label(Some(92.0), 0.001).as_deref(), Some("20 km"));
         assert_eq!(label(None, f64::NAN), None);
-        let bar = bar(1000.0, Some(10.0), 10.0).unwrap();
+        let in_feet = |metres| bar(1000.0, Some(metres), metres, Foot).map(|bar| bar.label);
+        assert_eq!(in_feet(1.0).as_deref(), Some("500 ft"));
+        assert_eq!(in_feet(10.0).as_deref(), Some("1 mi"));
+        let bar = bar(1000.0, Some(10.0), 10.0, Metre).unwrap();
         assert_eq!((bar.pixels, bar.number.as_str()), (200.0, "2"));
     }
 

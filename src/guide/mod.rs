@@ -26,6 +26,7 @@ pages! {
     uncertainty = "uncertainty.md",
     comparing = "comparing.md",
     countries = "countries.md",
+    profiles_volumes = "profiles_volumes.md",
     map_tiles = "map_tiles.md",
     slope = "slope.md",
     flow = "flow.md",

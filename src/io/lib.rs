@@ -71,7 +71,7 @@ pub use in_memory::{Attribute, InMemory, MemoryLayer};
 pub use maker::SAVED_RUN;
 pub use ordinary::{open_to_read, read_small};
 pub use paths::{PlannedOutput, check_paths, files_of_input};
-pub use places::{Places, read_places};
+pub use places::{Paths, Places, read_paths, read_places};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
 

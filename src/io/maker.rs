@@ -33,6 +33,8 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["glb"], b"\"generator\":\"tokosen\""),
     (&["obj"], b"# tokosen\n"),
     (&["ply"], b"\ncomment tokosen\n"),
+    (&["xml"], b"<Application name=\"tokosen\""),
+    (&["svg"], b"<!-- made by tokosen -->"),
     (&["html", "htm"], b"<meta name=\"generator\" content=\"tokosen\">"),
 ];
 

@@ -1,4 +1,4 @@
-//! Points of a file that stand for places.
+//! Points and lines of a file that stand for places, such as outlets or the line of a profile.
 
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use super::table::{NO_GEOMETRY, Purpose};
 use super::{ReadOptions, read_table};
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::crs::Crs;
+use tokosen_core::features::Role;
 
 /// Places that a file names.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,6 +17,40 @@ pub struct Places {
     pub places: Vec<(DVec2, u64)>,
     /// Their coordinate reference system, if the file names one.
     pub crs: Option<Crs>,
+}
+
+/// Lines that a file names.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Paths {
+    /// The vertices of each line with the number of its feature, in the order of the file.
+    pub lines: Vec<(Vec<DVec2>, u64)>,
+    /// Their coordinate reference system, if the file names one.
+    pub crs: Option<Crs>,
+}
+
+/// Reads the lines of a file, such as the line of a profile. Heights and attributes do not count. Vertices without valid
+/// coordinates, and repeated ones, are left out.
+///
+/// # Errors
+/// The file cannot be read or has no line.
+pub fn read_paths(path: &Path, options: &ReadOptions) -> Result<Report<Paths>> {
+    let mut table = read_table(path, options, Purpose::Features(Role::BreakLines))?;
+    let findings = std::mem::take(&mut table.findings);
+    let found = table.found_words();
+    let mut lines = Vec::new();
+    for feature in table.features {
+        for line in feature.lines {
+            let mut points: Vec<DVec2> = line.points.into_iter().filter(|p| p.is_finite()).collect();
+            points.dedup();
+            if points.len() > 1 {
+                lines.push((points, feature.number));
+            }
+        }
+    }
+    if lines.is_empty() {
+        return Err(Error::file(path, format!("there is no line in it{found}; name a file with lines")));
+    }
+    Ok(Report { value: Paths { lines, crs: table.crs }, findings })
 }
 
 /// Reads the points of a file, such as the outlets of catchments. Heights and attributes do not count. Lines and polygons are

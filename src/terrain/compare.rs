@@ -13,9 +13,9 @@ use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::base::{ElevationUnit, Grid};
 use tokosen_core::contour::{Interval, SpotHeights};
 use tokosen_core::crs::{Crs, Reprojection, Transform, converted};
-use tokosen_core::dem::compare::{Resampled, heights_at_places, heights_between};
+use tokosen_core::dem::compare::{Resampled, heights_between};
 use tokosen_core::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
-use tokosen_core::surface::{InOther, Surface, SurfaceKind, height_map, heights_on};
+use tokosen_core::surface::{InOther, Surface, SurfaceKind, height_map};
 
 /// One side of a comparison.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub struct Side {
     /// The part of the surface that is compared, if it is not the whole.
     part: Option<MultiPolygon<f64>>,
     /// The conversion between the plane of the surface and the coordinates of its contours.
-    reprojection: Option<Reprojection>,
+    pub(super) reprojection: Option<Reprojection>,
 }
 
 /// What the heights of a side come from.
@@ -91,7 +91,7 @@ impl Pair {
         if !looks_like_degrees(grid, crs.as_ref()) {
             return Ok(());
         }
-        let message = "the coordinates look like degrees, but neither A nor B names a system; name it first, for \
+        let message = "the coordinates look like degrees, but no file names a system; name it first, for \
                        example with 'gdal_translate -a_srs EPSG:6668'";
         Err(Error::file(path, message))
     }
@@ -229,7 +229,7 @@ impl Side {
 
     /// Heights at the cell centres of a grid in some system. Those of a height map are computed when they are read, as far as no
     /// coordinates have to be transformed.
-    fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Arc<dyn RasterRows>> {
+    pub(super) fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Arc<dyn RasterRows>> {
         let transform = self.transform_from(crs, &self.source.file)?;
         let surface = match &self.kind {
             Kind::Surface(surface) => surface,
@@ -259,20 +259,8 @@ impl Side {
 
     /// Heights at check points, NaN where there are none. `path` is the file of the points, for the error.
     pub(super) fn at(&self, path: &Path, checks: &SpotHeights) -> Result<Vec<f64>> {
-        let transform = self.transform_from(checks.crs.as_ref(), path)?;
-        let place = |k: usize| checks.points.get(k).and_then(|p| converted(transform.as_ref(), p.truncate()));
-        Ok(match &self.kind {
-            Kind::Dem(dem) => {
-                let places: Vec<DVec2> = (0..checks.points.len()).map(|k| place(k).unwrap_or(DVec2::NAN)).collect();
-                heights_at_places(&**dem, &places)?
-            }
-            Kind::Surface(surface) => {
-                // Each point is treated as a cell of one row.
-                let row = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: checks.points.len(), rows: 1 };
-                let heights = heights_on(surface, &row, &|p: DVec2| place(p.x as usize), &());
-                heights.into_iter().map(f64::from).collect()
-            }
-        })
+        let places: Vec<DVec2> = checks.points.iter().map(|point| point.truncate()).collect();
+        Ok(self.sample(&places, checks.crs.as_ref(), path)?.into_iter().map(|sample| sample.height).collect())
     }
 }
 

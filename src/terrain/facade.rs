@@ -7,9 +7,9 @@ use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
 use super::part::{Part, drop_outside};
-use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::base::{ElevationUnit, Units};
 use tokosen_core::contour::Target;
 use tokosen_core::contour::{ContourLayer, clip_lines};
 use tokosen_core::crs::{Crs, FromWorking, Reprojection};
@@ -110,6 +110,11 @@ impl Terrain {
         let (reprojection, unit, memory) = (input.reprojection.clone(), input.unit, options.memory);
         let is_plane_guessed = input.is_plane_guessed;
         Ok(Self { surface, findings, reprojection, unit, is_plane_guessed, part, background, findings_outside, memory })
+    }
+
+    /// The units in which a picture of it speaks: the unit that the elevations of the contours had, and metres.
+    pub fn units(&self) -> Units {
+        Units { heights: self.unit, ..Units::METRES }
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:

@@ -1,38 +1,26 @@
-//! The unit of lengths in findings.
+//! The units of heights and lengths in findings.
 //!
-//! The steps work on any plane, so their messages speak of map units. The working plane of an input is in metres, unless nothing
-//! states the unit of the coordinates. Here the messages get the unit.
+//! The steps work in metres, on any plane, so their messages speak of metres and of map units. The working plane of an input
+//! is in metres, unless nothing states the unit of the coordinates. Here the messages get the units of the input.
 
 use super::input::Input;
-use tokosen_core::base::error::Finding;
-
-/// What the steps call a length and an area, and what these are on a plane in metres.
-const UNITS: [(&str, &str); 2] = [(" square map units", " square metres"), (" map units", " m")];
+use tokosen_core::base::{ElevationUnit, Units};
+use tokosen_core::crs::Crs;
 
 impl Input {
-    /// States the unit of lengths in the findings, if it is known.
+    /// The units of the input, in which messages about it speak: that of its elevations, and feet or metres for lengths.
+    pub fn units(&self) -> Units {
+        let own = self.reprojection.input_crs().and_then(Crs::length_unit);
+        let foot = own.and_then(|own| ElevationUnit::of_size(own.metres)).filter(|unit| unit.is_foot());
+        let plane = self.is_plane_in_metres.then(|| foot.unwrap_or_default());
+        Units { heights: self.unit(), plane }
+    }
+
+    /// States heights and lengths in the findings in the units of the input.
     pub(super) fn state_unit(&mut self) {
-        if self.is_plane_in_metres {
-            self.findings.iter_mut().for_each(in_metres);
-        }
+        let units = self.units();
+        self.findings.iter_mut().for_each(|finding| finding.message = units.message(&finding.message));
     }
-}
-
-fn in_metres(finding: &mut Finding) {
-    for (general, metric) in UNITS {
-        finding.message = with_unit(&finding.message, general, metric);
-    }
-}
-
-/// A message with another unit after its numbers. The name of a file may hold the same words.
-fn with_unit(message: &str, general: &str, metric: &str) -> String {
-    let mut parts = message.split(general);
-    let mut changed = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        changed.push_str(if changed.ends_with(|c: char| c.is_ascii_digit()) { metric } else { general });
-        changed.push_str(part);
-    }
-    changed
 }
 
 #[cfg(test)]
@@ -41,21 +29,12 @@ mod tests {
 
     use super::*;
     use crate::terrain::{InputOptions, Preparation};
-    use tokosen_core::base::ElevationUnit;
     use tokosen_core::base::error::FindingKind;
     use tokosen_core::contour::{Contour, ContourMap};
-    use tokosen_core::crs::{Crs, LengthUnit};
+    use tokosen_core::crs::LengthUnit;
 
     #[test]
-    fn units_follow_numbers() {
-        let message = "3.5 map units of my map units.shp, 12 square map units large";
-        let mut finding = Finding::general(FindingKind::Excluded, message);
-        in_metres(&mut finding);
-        assert_eq!(finding.message, "3.5 m of my map units.shp, 12 square metres large");
-    }
-
-    #[test]
-    fn lengths_are_in_metres_unless_nobody_knows_the_unit() {
+    fn lengths_are_in_the_unit_of_the_input_unless_nobody_knows_it() {
         let line = |elevation: f64, y: f64| {
             let points = [0.0, 400.0, 800.0, 1200.0].map(|x| DVec2::new(x, y)).to_vec();
             Contour { elevation, points, feature: 1.into() }
@@ -81,9 +60,9 @@ mod tests {
             assert!(message.contains("for 400.000 m,"), "{message}");
             assert!(!message.contains("map units"), "{message}");
         }
-        // The work on a drawing in feet is done in metres.
+        // The work on a drawing in feet is done in metres, and its user thinks in feet.
         let feet = told(None, None, Some(ElevationUnit::Foot));
-        assert!(feet.contains("for 121.920 m,"), "{feet}");
+        assert!(feet.contains("for 400 ft,"), "{feet}");
         let unknown = told(None, None, None);
         assert!(unknown.contains("for 400.000 map units,"), "{unknown}");
     }

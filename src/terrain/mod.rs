@@ -28,15 +28,18 @@ mod planned;
 mod plausible;
 mod preparation;
 mod prepare;
+mod profile;
 #[cfg(feature = "draw")]
 mod report;
 mod room;
+mod sample;
 #[cfg(feature = "io")]
 mod sheets;
 mod sides;
 #[cfg(all(test, feature = "io"))]
 mod tests;
 mod units;
+mod volume;
 
 pub use base::BaseJoin;
 #[cfg(feature = "io")]
@@ -63,6 +66,11 @@ pub use places::{Outlets, Place, flood_source};
 pub(crate) use planned::{Ground, Planned, TileParams, tile_surface};
 pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
+#[cfg(feature = "io")]
+pub use profile::read_profile;
+pub use profile::{Profile, ProfileParams, ProfilePoint, ProfileRun, profile};
 #[cfg(feature = "draw")]
 pub use report::{page, sentences};
+pub use sample::Sample;
 pub use tokosen_core::arrays::{RaggedLines, TriangleArrays};
+pub use volume::{VolumeSides, heights_of};

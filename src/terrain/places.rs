@@ -123,11 +123,14 @@ impl Outlets {
 
 /// Where the water of a flood up to a level (metres) comes from: from the edge of the height map, or from places.
 ///
+/// A place that lies outside the height map, or whose ground is not below the level, is left out with a finding.
+///
 /// # Errors
-/// [`Error::Data`] if a place lies outside the height map, or if its ground is not below the level.
-pub fn flood_source(places: &[Place], dem: &Dem, level: f64) -> Result<FloodFrom> {
+/// [`Error::Data`] if there are places, and the flood can come from none of them.
+pub fn flood_source(places: &[Place], dem: &Dem, level: f64) -> Result<Report<FloodFrom>> {
+    let mut findings = Vec::new();
     if places.is_empty() {
-        return Ok(FloodFrom::Edge);
+        return Ok(Report { value: FloodFrom::Edge, findings });
     }
     let size = DVec2::new(dem.grid.cols as f64, dem.grid.rows as f64);
     let cell = |Place { at, name }: &Place| {
@@ -138,14 +141,24 @@ pub fn flood_source(places: &[Place], dem: &Dem, level: f64) -> Result<FloodFrom
             cell.and_then(|cell| Some((cell, f64::from(*dem.values.get(cell)?)))).filter(|(_, z)| z.is_finite());
         match known {
             Some((cell, height)) if height < level => Ok(cell),
-            Some((_, height)) => Err(Error::Data(format!(
+            Some((_, height)) => Err(format!(
                 "the flood cannot come from {name}: the ground there is {height:.2} m high, not below the level of \
                  {level} m"
-            ))),
-            None => Err(Error::Data(format!("the flood cannot come from {name}: it lies outside the height map"))),
+            )),
+            None => Err(format!("the flood cannot come from {name}: it lies outside the height map")),
         }
     };
-    Ok(FloodFrom::Cells(places.iter().map(cell).collect::<Result<_>>()?))
+    let mut cells = Vec::new();
+    for place in places {
+        match cell(place) {
+            Ok(cell) => cells.push(cell),
+            Err(message) => findings.push(Finding::at(FindingKind::FloodSourceDry, place.at, message)),
+        }
+    }
+    match findings.first() {
+        Some(first) if cells.is_empty() => Err(Error::Data(first.message.clone())),
+        _ => Ok(Report { value: FloodFrom::Cells(cells), findings }),
+    }
 }
 
 #[cfg(test)]
@@ -182,8 +195,13 @@ mod tests {
     fn floods_come_from_ground_below_the_level_only() {
         let dem = plane();
         let place = |x, y| Place::at(DVec2::new(x, y), None);
-        assert_eq!(flood_source(&[], &dem, 1.0).unwrap(), FloodFrom::Edge);
-        assert_eq!(flood_source(&[place(35.0, 25.0)], &dem, 3.5).unwrap(), FloodFrom::Cells(vec![19]));
+        assert_eq!(flood_source(&[], &dem, 1.0).unwrap().value, FloodFrom::Edge);
+        assert_eq!(flood_source(&[place(35.0, 25.0)], &dem, 3.5).unwrap().value, FloodFrom::Cells(vec![19]));
+        // One place on dry ground, and one outside, do not stop the others.
+        let mixed = flood_source(&[place(75.0, 25.0), place(35.0, 25.0), place(350.0, 0.0)], &dem, 3.5).unwrap();
+        assert_eq!(mixed.value, FloodFrom::Cells(vec![19]));
+        let told: Vec<&str> = mixed.findings.iter().map(|finding| finding.message.as_str()).collect();
+        assert!(told.len() == 2 && told[0].contains("not below") && told[1].contains("outside"), "{told:?}");
         for (x, level, word) in [(35.0, 3.0, "not below"), (350.0, 3.5, "outside")] {
             let error = flood_source(&[place(x, 25.0)], &dem, level).unwrap_err().to_string();
             assert!(error.contains(word), "{error}");

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap};
-use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, SURFACE_EXTENSIONS, flattened, write_mesh};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
 use tokosen::surface::{Surface, SurfaceParams, build};
@@ -295,4 +295,55 @@ fn meshes_of_all_terrain_are_sound() {
     });
     // Measured: 0.944, with other seeds 0.981.
     tally.assert_share(0.85, 0.0);
+}
+
+/// The numbers of a text, without its marks.
+fn all_numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// The triangles of a LandXML or of the faces of a DXF, as corners in map coordinates.
+fn corners_of(text: &str) -> Vec<[DVec3; 3]> {
+    if text.contains("<LandXML") {
+        let inner = |line: &str| line.split('>').nth(1).unwrap().split('<').next().unwrap().to_owned();
+        let of = |mark: &str| {
+            text.lines().filter(|line| line.starts_with(mark)).map(|line| all_numbers(&inner(line))).collect::<Vec<_>>()
+        };
+        let points: Vec<DVec3> = of("<P ").iter().map(|p| DVec3::new(p[1], p[0], p[2])).collect();
+        return of("<F>").iter().map(|f| [0, 1, 2].map(|k| points[f[k] as usize - 1])).collect();
+    }
+    let lines: Vec<&str> = text.lines().collect();
+    let groups: Vec<(&str, &str)> = lines.chunks_exact(2).map(|group| (group[0], group[1])).collect();
+    let faces: Vec<usize> = (0..groups.len()).filter(|&k| groups[k] == ("0", "3DFACE")).collect();
+    let corner = |face: usize, k: usize| {
+        let value = |axis: usize| groups[face + 2 + 3 * k + axis].1.parse::<f64>().unwrap();
+        assert_eq!(groups[face + 2 + 3 * k].0, format!("1{k}"));
+        DVec3::new(value(0), value(1), value(2))
+    };
+    faces.iter().map(|&face| [0, 1, 2].map(|k| corner(face, k))).collect()
+}
+
+#[test]
+fn surfaces_for_engineers_have_the_area_and_the_volume_of_the_ground() {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, surface) in samples() {
+        let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
+        let (area, volume) = prisms(&surface, 0.0);
+        for extension in SURFACE_EXTENSIONS {
+            let path = dir.path().join(format!("terrain.{extension}"));
+            write_mesh(&path, &shell).unwrap();
+            let faces = corners_of(&std::fs::read_to_string(&path).unwrap());
+            assert_eq!(faces.len(), shell.triangles.len(), "{name} {extension}");
+            let [found_area, found_volume] = faces.iter().fold([0.0, 0.0], |[area, volume], [a, b, c]| {
+                let own = (*b - *a).truncate().perp_dot((*c - *a).truncate()) / 2.0;
+                [area + own, volume + own * (a.z + b.z + c.z) / 3.0]
+            });
+            assert!((found_area - area).abs() < 1e-6 * area, "{name} {extension}: {found_area} is not {area}");
+            assert!((found_volume - volume).abs() < 1e-6 * volume.abs().max(area), "{name} {extension}");
+        }
+        let lowest = shell.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
+        let solid = mesh(&surface, None, &MeshParams { base: Some(lowest - 1.0) }).unwrap();
+        let refused = write_mesh(&dir.path().join("solid.xml"), &solid).unwrap_err().to_string();
+        assert!(refused.contains("no walls"), "{refused}");
+    }
 }

@@ -188,7 +188,7 @@ fn a_missing_contour_beside_a_wrong_label_is_told_too() {
         let kinds: Vec<_> = told.iter().map(|f| (f.kind, numbers(f))).collect();
         assert_eq!(kinds, [(FindingKind::SkippedLevel, vec![4]), (FindingKind::WrongLabel, vec![4])], "{told:?}");
         assert!(
-            told[0].message.contains("between contours 120 and 150") && told[0].message.contains("130 to 140"),
+            told[0].message.contains("between contours 120 m and 150 m") && told[0].message.contains("130 m to 140 m"),
             "{told:?}"
         );
     }

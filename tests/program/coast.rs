@@ -130,7 +130,7 @@ fn a_coast_that_cannot_be_used_is_told() {
     let folder = Folder::new();
     write(&folder, "land.gpkg", land());
     let wrong = folder.ends("dem land.gpkg --cell 20 --coast 0 -o a.tif", 2);
-    assert!(wrong.contains("no contour has the level of the coast, 0; the nearest level is 10 m"), "{wrong}");
+    assert!(wrong.contains("no contour has the level of the coast, 0 m; the nearest level is 10 m"), "{wrong}");
     let wrong = folder.ends("dem land.gpkg --cell 20 --coast nan -o a.tif", 2);
     assert!(wrong.contains("no elevation"), "{wrong}");
     // A line through the land, with contours on both sides.
@@ -217,5 +217,5 @@ fn a_contour_in_the_sea_hides_neither_a_lagoon_nor_a_coast_at_the_frame() {
         }
     }
     let (_, said) = folder.run("check all.gpkg");
-    assert!(said.contains("contour 0 may be the coast"), "{said}");
+    assert!(said.contains("contour 0 m may be the coast"), "{said}");
 }

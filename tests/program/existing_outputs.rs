@@ -134,6 +134,28 @@ fn a_layer_of_another_program_is_replaced_only_when_asked_and_own_layers_always(
 }
 
 #[test]
+fn layers_have_styles_and_those_of_the_user_are_kept() {
+    let dir = folder();
+    let path = dir.path().join("styled.gpkg");
+    done(dir.path(), "densify in.geojson -i 5 -o styled.gpkg -q");
+    done(dir.path(), "check in.geojson -o styled.gpkg -q");
+    done(dir.path(), "regions in.geojson -o styled.gpkg -q");
+    let db = Connection::open(&path).unwrap();
+    let styled = "SELECT group_concat(f_table_name) FROM (SELECT f_table_name FROM layer_styles ORDER BY id)";
+    assert_eq!(text(&db, styled), "contours_5m,findings");
+    let style = |layer: &str| text(&db, &format!("SELECT styleQML FROM layer_styles WHERE f_table_name = '{layer}'"));
+    assert!(style("contours_5m").contains("RuleRenderer") && style("contours_5m").contains("fieldName=\"elev\""));
+    assert!(style("findings").contains("attr=\"severity\""));
+    assert_eq!(text(&db, "SELECT f_geometry_column || useAsDefault FROM layer_styles LIMIT 1"), "geom1");
+    db.execute_batch("UPDATE layer_styles SET styleQML = 'mine' WHERE f_table_name = 'contours_5m'").unwrap();
+    done(dir.path(), "densify in.geojson -i 5,2 -o styled.gpkg -q");
+    assert_eq!(style("contours_5m"), "mine");
+    assert_eq!(text(&db, styled), "contours_5m,findings,contours_2m");
+    // The style is no layer.
+    assert_eq!(layers(&path), ["contours_2m", "contours_5m", "findings", "regions"]);
+}
+
+#[test]
 fn a_geopackage_that_another_program_writes_to_stays_whole() {
     let dir = folder();
     let path = dir.path().join("project.gpkg");

@@ -152,8 +152,8 @@ fn floods_come_from_the_edge_from_places_or_along_streams() {
         let wanted = if col < 20 { expected(col, row) } else { 0.0 };
         assert!((f64::from(if depth.is_nan() { 0.0 } else { depth }) - wanted).abs() < 1e-4, "{col} {row}");
     }
-    let hectares = wet.iter().filter(|v| !v.is_nan()).count() as f64 / 100.0;
-    assert!(text.contains(&format!("{hectares:.2} hectares")) && text.contains("5.00 m at most"), "{text}");
+    let square_metres = wet.iter().filter(|v| !v.is_nan()).count() as f64 * 100.0;
+    assert!(text.contains(&format!(" {square_metres:.0} m²")) && text.contains("5.00 m at most"), "{text}");
     folder.succeeds("derive dem.tif --flood lake.geojson --flood-level 55 --flood-from 5305,7155");
     let lake = folder.features("lake.geojson");
     assert_eq!(lake.len(), 1);

@@ -80,6 +80,10 @@ pub fn inputs() -> Folder {
     );
     std::fs::write(folder.path("district.geojson"), district).unwrap();
 
+    let road = r#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:32616"}},"features":[{"type":"Feature",
+        "properties":{},"geometry":{"type":"LineString","coordinates":[[746000,4018500],[748000,4019500],[748500,4021500]]}}]}"#;
+    std::fs::write(folder.path("road.geojson"), road).unwrap();
+
     let area = |middle: DVec2| Row { shape: Shape::Area(vec![square(middle, 40.0)]), cells: Vec::new() };
     let layer = |name, middle| Layer { name, geometry: Geometry::Areas, columns: &[], rows: vec![area(middle)] };
     let layers =

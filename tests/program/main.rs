@@ -32,6 +32,7 @@ mod other_inputs;
 mod out_of_proportion;
 mod parts;
 mod plane_units;
+mod profile_volume;
 mod progress;
 mod running;
 mod saved_runs;

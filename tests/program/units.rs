@@ -87,7 +87,10 @@ fn a_vertical_system_in_feet_is_believed() {
     folder.put("feet.geojson", &rings(WITH_HEIGHTS_IN_FEET, "elev", false));
     let said = folder.succeeds("densify feet.geojson -i 100 --keep-input -o out.geojson");
     assert!(said.contains("states heights in feet; the elevations were turned into metres"), "{said}");
-    assert!(said.contains("from 12.192 to 36.576 m") && said.contains("the input were feet"), "{said}");
+    assert!(
+        said.contains("from 40 to 120 ft, vertical interval 40 ft") && said.contains("the input are feet"),
+        "{said}"
+    );
     assert_eq!(folder.values("out.geojson", "elev"), set(&["12.192", "24.384", "36.576"]));
     // Heights are in metres now, and the system must not say that they are feet.
     let name = &folder.json("out.geojson")["crs"]["properties"]["name"];
@@ -237,6 +240,27 @@ fn elevations_in_us_survey_feet_come_back_as_they_were() {
     // Without the option they are metres, and so are the levels.
     folder.succeeds("densify plane.geojson --unit us-ft -i 5 -o out.geojson");
     assert!(folder.values("out.geojson", "elev").contains("15.0"));
+}
+
+#[test]
+fn a_map_in_feet_is_told_of_in_feet() {
+    let folder = Folder::new();
+    let mut map = rings(WITH_HEIGHTS_IN_FEET, "elev", false);
+    // The second ring twice, and a gap of 0.01 ft in the third.
+    let features = map["features"].as_array_mut().unwrap();
+    features.push(features[1].clone());
+    let points = features[2]["geometry"]["coordinates"].as_array_mut().unwrap();
+    let last = points.last_mut().unwrap();
+    last[0] = json!(last[0].as_f64().unwrap() + 0.01);
+    folder.put("feet.geojson", &map);
+    for command in ["check feet.geojson -v", "densify feet.geojson -i 10 --to-unit ft -v -o out.geojson"] {
+        let said = folder.succeeds(command);
+        assert!(said.contains("contour 80 ft (feature 3) is the same line as that of feature 1"), "{said}");
+        assert!(said.contains("a gap of 0.01 ft in the contour 120 ft"), "{said}");
+        assert!(said.contains("3 levels from 40 to 120 ft, vertical interval 40 ft"), "{said}");
+        let metres = |word: &str| word == "m" || word == "m," || word == "m;";
+        assert!(!said.split_whitespace().any(metres), "{said}");
+    }
 }
 
 #[test]

@@ -782,10 +782,13 @@ fn water_that_cannot_be_used() {
     );
     folder.fails("dem hill.geojson --cell 5 -o d.tif --water hill.geojson", FAILED, &["no polygon"]);
     folder.fails("dem hill.geojson --cell 5 -o d.tif --water none.gpkg", FAILED, &["none.gpkg"]);
-    folder.fails("dem hill.geojson --cell 5 -o d.tif --sea 0", USAGE, &["level of the sea, 0", "10, 20, 30"]);
+    folder.fails("dem hill.geojson --cell 5 -o d.tif --sea 0", USAGE, &["level of the sea, 0 m", "10 m, 20 m, 30 m"]);
     folder.put("w.geojson", lakes(&[(r#""elev":55"#, ring(5.0))]));
     let (_, messages) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --water w.geojson");
-    assert!(messages.contains("lakes left out: 1") && messages.contains("between contours 30 and 40"), "{messages}");
+    assert!(
+        messages.contains("lakes left out: 1") && messages.contains("between contours 30 m and 40 m"),
+        "{messages}"
+    );
     let output = folder.run("dem hill.geojson --cell 5 -o e.tif --strict --water w.geojson");
     assert_eq!(output.status.code(), Some(FAILED));
     let (messages, _) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --sea 10");
@@ -878,4 +881,21 @@ fn tuned_numbers_are_set_by_name() {
         &["spline.crease_weight = 0.7", "spline.steps.1 = 60"],
     );
     folder.fails(&dem("none.tif", "--tune spline.crease_weight=-1"), USAGE, &["spline.crease_weight", "0 or more"]);
+}
+
+#[test]
+fn one_run_writes_the_same_heights_in_several_formats() {
+    let folder = with_hill();
+    let (said, _) = folder.succeeds("dem hill.geojson --cell 5 -o a.tif -o b.exr -o c.asc");
+    assert_eq!(said.matches("written    ").count(), 3, "{said}");
+    let heights = |name: &str| tokosen::io::raster::read_dem(&folder.path(name)).unwrap().value.dem;
+    let first = heights("a.tif");
+    assert!(first.values.iter().any(|height| height.is_finite()));
+    for name in ["b.exr", "c.asc"] {
+        let other = heights(name);
+        assert_eq!(other.grid, first.grid, "{name}");
+        let is_same = |(a, b): (&f32, &f32)| (a.is_nan() && b.is_nan()) || (a - b).abs() < 1e-3;
+        assert!(first.values.iter().zip(&other.values).all(is_same), "{name}");
+    }
+    folder.fails("dem hill.geojson --cell 5 -o a.tif -o a.tif", USAGE, &["a.tif"]);
 }

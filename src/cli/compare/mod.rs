@@ -1,7 +1,7 @@
 //! `tokosen compare`: differences between two height maps or surfaces.
 
 mod args;
-mod side;
+pub mod side;
 
 pub use args::CompareArgs;
 
@@ -12,7 +12,10 @@ use tokosen::dem::compare::{Comparison, Difference};
 use tokosen::draw::report::table;
 use tokosen::io::raster::{Quantity, RasterParams, write_rows};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content};
+use tokosen::surface::Uncertainty;
 use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, read_check_points, sentences};
+
+use side::{ReadSides, Sides};
 
 use super::console::Console;
 use super::failure::Failure;
@@ -29,7 +32,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let page = args.report.as_deref().map(open_page).transpose()?;
 
     let mut findings = Vec::new();
-    let pair = side::read(args, contents, &mut findings, console)?;
+    let pair = pair(args, contents, &mut findings, console)?;
     let options = MeasureOptions { sigma: args.sigma, interval: args.interval };
     let measured = measure(&pair, &options, console).and_then(|mut found| {
         if let Some(source) = &args.input.map.points {
@@ -70,6 +73,24 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         summary::close(findings.len(), console);
     }
     Ok(())
+}
+
+/// Reads both sides and brings them onto one grid.
+fn pair(
+    args: &CompareArgs,
+    contents: [Content; 2],
+    findings: &mut Vec<Finding>,
+    console: &Console,
+) -> Result<Pair, Failure> {
+    let CompareArgs { input, b, grid, surface, .. } = args;
+    let sides = Sides { input, b: Some(b), grid: Some(grid), surface, uncertainty: Uncertainty::default() };
+    match side::read(sides, &contents, findings, console)? {
+        ReadSides { a, b: Some(b), nodes: Some(nodes) } => {
+            Pair::refuse_degrees(&nodes, &args.b.path)?;
+            Ok(Pair::on(a, b, nodes, console)?)
+        }
+        _ => Err(Failure::Usage("two surfaces need a common grid: give --cell SIZE or --like RASTER".into())),
+    }
 }
 
 /// Writes the report, still under its temporary name.

@@ -1,29 +1,50 @@
-//! Reading the two sides of a comparison.
+//! Reading the sides of a comparison, a profile or a volume.
 
 use std::path::Path;
 
-use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
-use tokosen::io::{Content, VectorSource};
-use tokosen::surface::Triangles;
-use tokosen::terrain::{Nodes, Pair, Side};
+use tokosen::io::{Content, VectorSource, content};
+use tokosen::surface::{Triangles, Uncertainty};
+use tokosen::terrain::{Nodes, Side};
+use tokosen::{GridSpec, Options};
 
-use super::args::CompareArgs;
 use crate::cli::console::Console;
 use crate::cli::failure::Failure;
 use crate::cli::input::{InputArgs, Scope};
 use crate::cli::job::build;
 use crate::cli::map::MapArgs;
+use crate::cli::output::GridArgs;
+use crate::cli::surface::{ABOUT_SURFACE, SurfaceArgs};
 
-/// Reads both sides and brings them onto one grid.
+/// The arguments about the sides.
+#[derive(Clone, Copy)]
+pub struct Sides<'a> {
+    pub input: &'a InputArgs,
+    /// The second side, if there is one.
+    pub b: Option<&'a VectorSource>,
+    /// The cells at which contours are evaluated, if heights are not those of single places.
+    pub grid: Option<&'a GridArgs>,
+    pub surface: &'a SurfaceArgs,
+    pub uncertainty: Uncertainty,
+}
+
+/// The sides as they were read.
+pub struct ReadSides {
+    pub a: Side,
+    pub b: Option<Side>,
+    /// The cells of the height map, or those that the arguments ask for.
+    pub nodes: Option<Nodes>,
+}
+
+/// Reads the sides.
 pub fn read(
-    args: &CompareArgs,
-    contents: [Content; 2],
+    args: Sides<'_>,
+    contents: &[Content],
     findings: &mut Vec<Finding>,
     console: &Console,
-) -> Result<Pair, Failure> {
-    let (path_a, path_b) = (args.input.map.file(), args.b.path.as_path());
+) -> Result<ReadSides, Failure> {
+    let path_a = args.input.map.file();
     // Height maps come first, because the surface is built for their cells.
     let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
         match content {
@@ -36,18 +57,22 @@ pub fn read(
         findings[known..].iter_mut().for_each(|finding| finding.message = format!("{side}: {}", finding.message));
         known = findings.len();
     };
-    let dem_a = dem(path_a, contents[0], findings)?;
+    let (content_a, content_b) = (contents.first().copied().unwrap_or(Content::Contours), contents.get(1).copied());
+    let dem_a = dem(path_a, content_a, findings)?;
     label("A", findings);
-    let dem_b = dem(path_b, contents[1], findings)?;
+    let dem_b = match (args.b, content_b) {
+        (Some(b), Some(content)) => dem(&b.path, content, findings)?,
+        _ => None,
+    };
     label("B", findings);
     let crs_of = |side: &Option<Side>| side.as_ref().and_then(Side::crs).cloned();
     let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::nodes).map(|(grid, _)| grid);
     // A height map without a coordinate reference system is assumed to be in that of the other side.
     let crs = crs_of(&dem_b).or_else(|| crs_of(&dem_a));
     let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a)).map(|grid| (grid, crs));
-    let b = match dem_b {
-        Some(side) => side,
-        None => side_of_contours(args, args.b.clone(), &mut nodes, findings, console)?,
+    let b = match (dem_b, args.b) {
+        (None, Some(b)) => Some(side_of_contours(args, b.clone(), &mut nodes, findings, console)?),
+        (side, _) => side,
     };
     label("B", findings);
     let a = match dem_a {
@@ -55,17 +80,13 @@ pub fn read(
         None => side_of_contours(args, args.input.map.contours[0].clone(), &mut nodes, findings, console)?,
     };
     label("A", findings);
-    let Some(nodes) = nodes else {
-        return Err(Failure::Usage("two surfaces need a common grid: give --cell SIZE or --like RASTER".into()));
-    };
-    Pair::refuse_degrees(&nodes, path_b)?;
-    Ok(Pair::on(a, b, nodes, console)?)
+    Ok(ReadSides { a, b, nodes })
 }
 
 /// Reads contours and builds their surface for `nodes`, the cells that heights are compared at. If these are not known
 /// yet, they become the cells that the arguments ask for.
 fn side_of_contours(
-    args: &CompareArgs,
+    args: Sides<'_>,
     source: VectorSource,
     nodes: &mut Option<Nodes>,
     findings: &mut Vec<Finding>,
@@ -80,18 +101,53 @@ fn side_of_contours(
         *crs = input.reprojection.input_crs().cloned();
     }
     let grid = match nodes {
-        Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.clone()) },
-        None => args.grid.spec(None)?,
+        Some((grid, crs)) => Some(GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.clone()) }),
+        None => args.grid.map(|grid| grid.spec(None)).transpose()?,
     };
-    let options = args.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
-    let mut terrain = build(&mut input, &args.surface, &options, console)?;
+    // Single places may lie beside the cells of the other side.
+    let grid = grid.filter(|_| args.grid.is_some());
+    let options = Options {
+        uncertainty: args.uncertainty,
+        ..args.surface.options(grid.as_ref(), Triangles::Reference, ElevationUnit::Metre)?
+    };
+    let mut terrain = build(&mut input, args.surface, &options, console)?;
     // Each side may have a working plane of its own.
     for finding in &mut terrain.findings {
         finding.place = finding.place.and_then(|p| terrain.reprojection.in_input(p));
     }
     findings.append(&mut terrain.findings);
-    if nodes.is_none() {
-        *nodes = Some(terrain.cells(&grid)?);
+    if let (None, Some(grid)) = (&nodes, &grid) {
+        *nodes = Some(terrain.cells(grid)?);
     }
     Ok(Side::of_terrain(&path, args.surface.surface.kind(), terrain))
+}
+
+/// What the sides are.
+pub fn contents(input: &InputArgs, b: Option<&VectorSource>) -> Result<Vec<Content>, Failure> {
+    let b = b.map(|b| content(&b.path)).transpose()?;
+    Ok([Some(input.map.content()?), b].into_iter().flatten().collect())
+}
+
+/// Refuses flags about contours if there are none, and flags that do not fit the kind of the surface.
+pub fn check(
+    input: &InputArgs,
+    b: Option<&VectorSource>,
+    surface: &SurfaceArgs,
+    console: &Console,
+) -> Result<(), Failure> {
+    let flags = &console.flags;
+    if contents(input, b)?.contains(&Content::Contours) {
+        return surface.check(flags);
+    }
+    match InputArgs::about_contours(flags, None).or_else(|| flags.first(&ABOUT_SURFACE)) {
+        Some(flag) => Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map"))),
+        None => Ok(()),
+    }
+}
+
+/// States the standard error of the heights of height maps, metres, if it is given.
+pub fn state_sigma(sigma: Option<f64>, sides: [Option<&mut Side>; 2]) {
+    for side in sides.into_iter().flatten().filter(|side| side.surface().is_none()) {
+        side.sigma = sigma.or(side.sigma);
+    }
 }

@@ -20,9 +20,11 @@ pub mod rows;
 #[doc(hidden)]
 pub mod union_find;
 mod unit;
+mod words;
 
 pub use feature::FeatureId;
 pub use grid::Grid;
 pub(crate) use key::Key;
 pub(crate) use known_line::{KnownLine, Sure};
 pub use unit::ElevationUnit;
+pub use words::Units;

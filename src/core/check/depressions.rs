@@ -24,7 +24,7 @@ pub(crate) fn contradicted_marks(map: &ContourMap, tin: &Tin, regions: &Regions)
                 _ => return None,
             };
             let message = format!(
-                "contour {} (feature {}) {mark}, but the contours around it show {ground} ground inside",
+                "contour {} m (feature {}) {mark}, but the contours around it show {ground} ground inside",
                 contour.elevation, contour.feature
             );
             let finding = Finding::at(FindingKind::DepressionMark, *contour.points.first()?, message);

@@ -284,7 +284,7 @@ fn report_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
     let levels = chain.iter().map(|&i| ground.ends[i].elevation);
     let (lo, hi) = levels.fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(z), m.1.max(z)));
     let message = format!(
-        "{} contours from {lo} to {hi} m end inside the map beside each other: a cliff, or a part of the map \
+        "{} contours from {lo} m to {hi} m end inside the map beside each other: a cliff, or a part of the map \
          is missing",
         chain.len()
     );

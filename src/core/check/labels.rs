@@ -184,8 +184,8 @@ pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged:
         let Some(to) = fits(w) else {
             if let [lowest, .., highest] = w.apart[..] {
                 let message = format!(
-                    "between contours {} and {} there is only feature {feature} ({from} m): of the contours \
-                     {} to {} all others are missing",
+                    "between contours {} m and {} m there is only feature {feature} ({from} m): of the contours \
+                     {} m to {} m all others are missing",
                     grid.elevation(lowest - 1),
                     grid.elevation(highest + 1),
                     grid.elevation(lowest),
@@ -201,7 +201,7 @@ pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged:
             judged.doubted.push(w.line);
             continue;
         };
-        let others: Vec<String> = w.levels[1..].iter().take(2).map(|&y| format!("{}", grid.elevation(y))).collect();
+        let others: Vec<String> = w.levels[1..].iter().take(2).map(|&y| format!("{} m", grid.elevation(y))).collect();
         let or = if others.is_empty() { String::new() } else { format!(", or perhaps {}", others.join(" or ")) };
         let (kind, why) = if mixed && in_other_unit(&w) {
             (FindingKind::MixedUnits, "is in another unit than those of the contours around it")
@@ -276,12 +276,12 @@ pub fn report_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &
         }
     }
     for (region, (missing, steep)) in wanted {
-        let levels: Vec<String> = missing.iter().map(|&y| format!("{}", grid.elevation(y))).collect();
+        let levels: Vec<String> = missing.iter().map(|&y| format!("{} m", grid.elevation(y))).collect();
         let fallback = || tin.corners(regions.regions[region as usize].triangle)[0] + tin.origin;
         let lines: Vec<_> =
             steep.iter().flat_map(|s| s.lines).flatten().map(|line| &map.contours[line as usize]).collect();
         let neighbours = match lines[..] {
-            [a, b] => format!("contours {} and {} are neighbours", a.elevation, b.elevation),
+            [a, b] => format!("contours {} m and {} m are neighbours", a.elevation, b.elevation),
             _ => "the contours here skip a level".to_owned(),
         };
         let message = format!(
@@ -308,7 +308,7 @@ pub fn report_auxiliary(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], jud
         let first = &map.contours[lines[0]];
         let count = if lines.len() == 1 { String::new() } else { format!(" ({} lines)", lines.len()) };
         let message = format!(
-            "the elevation {} m of feature {}{count} lies between the levels {} and {}: an auxiliary contour, or a wrong elevation",
+            "the elevation {} m of feature {}{count} lies between the levels {} m and {} m: an auxiliary contour, or a wrong elevation",
             first.elevation,
             first.feature,
             grid.elevation(k),

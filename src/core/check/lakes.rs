@@ -97,7 +97,7 @@ impl Hollow {
 
     fn finding(&self, tin: &Tin) -> Finding {
         let message = format!(
-            "the hollow below contour {}, with an area of about {:.0} square map units, may be a lake",
+            "the hollow below contour {} m, with an area of about {:.0} square map units, may be a lake",
             self.level, self.area
         );
         Finding::at(FindingKind::MayBeLake, tin.origin + self.largest.1, message).of_elevations([self.level])

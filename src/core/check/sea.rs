@@ -58,7 +58,7 @@ pub(crate) fn possible_sea(map: &ContourMap, tin: &Tin, regions: &Regions) -> Op
     let share = 100.0 * area / map_area;
     let what = if has_lower { "only single contours lie" } else { "nothing lies" };
     let message = format!(
-        "contour {lowest} may be the coast: {what} below it, and the ground beyond it, {share:.1} % of the map, reaches \
+        "contour {lowest} m may be the coast: {what} below it, and the ground beyond it, {share:.1} % of the map, reaches \
          the frame"
     );
     let place = tin.origin + widest.largest.1;

@@ -5,5 +5,7 @@ pub mod compare;
 pub mod contour;
 pub mod derive;
 pub mod join;
+pub mod profile;
 pub mod shade;
 pub mod smooth;
+pub mod volume;

@@ -222,7 +222,7 @@ fn densify(vertices: &mut Vec<Vertex>, step: f64) {
 
 /// The finding about a piece that was cut out.
 fn cut_finding(place: DVec2, level: Option<f64>, length: f64) -> Finding {
-    let where_to = level.map_or("upwards".into(), |level| format!("up across the contour {level}"));
+    let where_to = level.map_or("upwards".into(), |level| format!("up across the contour {level} m"));
     let message = format!("the stream runs {where_to}; this piece, {length:.1} map units long, is left out");
     Finding::at(FindingKind::StreamCut, place, message).of_elevations(level)
 }

@@ -41,8 +41,10 @@ impl Subdivision {
             if off > MOST_SIGMAS * sigma {
                 let (lo, hi) = (band.lo, band.hi);
                 let message = match region.water {
-                    Some(level) => format!("spot height {z} ± {sigma} lies in water of {level}; it is left out"),
-                    None => format!("spot height {z} ± {sigma} lies between contours {lo} and {hi}; it is left out"),
+                    Some(level) => format!("spot height {z} m ± {sigma} m lies in water of {level} m; it is left out"),
+                    None => {
+                        format!("spot height {z} m ± {sigma} m lies between contours {lo} m and {hi} m; it is left out")
+                    }
                 };
                 let finding = Finding::at(FindingKind::SpotOutsideBand, spot.place.truncate(), message);
                 findings.push(finding.of_elevations([z]));

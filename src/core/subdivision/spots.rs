@@ -26,8 +26,8 @@ pub(super) fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions
             if let Some(&spot) = number.get(&bits(p.truncate())) {
                 let (lo, hi) = (region.band.lo, region.band.hi);
                 let message = match region.water {
-                    Some(level) => format!("spot height {} lies in water of {level}; it is left out", p.z),
-                    None => format!("spot height {} lies between contours {lo} and {hi}; it is left out", p.z),
+                    Some(level) => format!("spot height {} m lies in water of {level} m; it is left out", p.z),
+                    None => format!("spot height {} m lies between contours {lo} m and {hi} m; it is left out", p.z),
                 };
                 let finding = Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message);
                 outside.push((spot, finding.of_elevations([p.z])));

@@ -113,11 +113,11 @@ fn astray(regions: &Regions, tin: &Tin, map: &ContourMap, level: f64, shores: &S
         let feature = map.contours[line as usize].feature;
         let message = if of > level {
             format!(
-                "the contour {of} m (feature {feature}) is in the sea ({level}), without a coast around it: its coast is missing, or \
+                "the contour {of} m (feature {feature}) is in the sea ({level} m), without a coast around it: its coast is missing, or \
                  its elevation is wrong"
             )
         } else {
-            format!("the contour {of} m (feature {feature}) is in the sea ({level}), which is level around it")
+            format!("the contour {of} m (feature {feature}) is in the sea ({level} m), which is level around it")
         };
         (line, Finding::at(FindingKind::ContourInSea, longest.1, message).about(feature, of))
     };
@@ -158,7 +158,7 @@ fn contradictions(regions: &Regions, tin: &Tin, level: f64, kinds: &[Option<Kind
             (false, Some(Kind::Sea)) => "has sea on both sides",
             (false, None) => "has no contour on either side that shows which is land",
         };
-        let message = format!("the coast at {level} {what}, over a length of {:.0} map units", stretch.length);
+        let message = format!("the coast at {level} m {what}, over a length of {:.0} map units", stretch.length);
         Finding::at(FindingKind::CoastContradicted, stretch.longest.1, message).of_elevations([level])
     };
     found.into_iter().map(finding).collect()

@@ -3,20 +3,20 @@
 use glam::DVec3;
 
 /// A colour as sRGB bytes.
-pub(super) type Rgb = [u8; 3];
+pub(crate) type Rgb = [u8; 3];
 
 /// Paper around the map and where there is no data.
-pub(super) const PAPER: Rgb = [255, 255, 255];
+pub(crate) const PAPER: Rgb = [255, 255, 255];
 /// Text, frame, scale bar.
-pub(super) const INK: Rgb = [52, 48, 44];
+pub(crate) const INK: Rgb = [52, 48, 44];
 /// Contours of the input, and the elevations on contours.
-pub(super) const INPUT: Rgb = [84, 48, 22];
+pub(crate) const INPUT: Rgb = [84, 48, 22];
 /// Interpolated contours.
-pub(super) const INTERPOLATED: Rgb = [186, 90, 12];
+pub(crate) const INTERPOLATED: Rgb = [186, 90, 12];
 /// Ridge lines.
-pub(super) const RIDGE: Rgb = [140, 20, 120];
+pub(crate) const RIDGE: Rgb = [140, 20, 120];
 /// Canyon lines.
-pub(super) const CANYON: Rgb = [0, 100, 200];
+pub(crate) const CANYON: Rgb = [0, 100, 200];
 
 /// The tint from the lowest to the highest ground: the higher the lighter and warmer, as mountains are seen from above
 /// through the air. Evenly spaced.
@@ -37,7 +37,7 @@ const DEEPEST: f64 = 0.5;
 const HIGHLIGHT: [f64; 3] = [255.0, 253.0, 240.0];
 
 /// The tint as a table, interpolated in Oklab so that equal steps of height look equally large.
-pub(super) struct Tint {
+pub(crate) struct Tint {
     table: Vec<Rgb>,
 }
 
@@ -63,7 +63,7 @@ impl Tint {
 }
 
 /// Shades a colour: `light` is 1 on level ground, less in the shadow, more towards the light.
-pub(super) fn shaded(color: Rgb, light: f64) -> Rgb {
+pub(crate) fn shaded(color: Rgb, light: f64) -> Rgb {
     let (target, share) = if light < 1.0 {
         (SHADOW, DEEPEST * (1.0 - light.max(0.0)))
     } else {

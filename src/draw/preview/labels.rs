@@ -7,7 +7,7 @@ use super::color::INPUT;
 use super::plan::{Plan, drawn_as};
 use super::stroke::{FINE, to_pixels};
 use super::text::{Turned, Typesetter};
-use tokosen_core::base::Grid;
+use tokosen_core::base::{ElevationUnit, Grid};
 use tokosen_core::contour::{ContourLine, Source};
 use tokosen_core::slice::{Label, LabelParams, place_labels};
 
@@ -27,7 +27,13 @@ const FEW_LEVELS: usize = 3;
 const RIM: f32 = 1.0;
 
 /// The labels of the contours that are drawn.
-pub(super) fn place(contours: &[ContourLine], plan: &Plan, grid: &Grid, setter: &Typesetter) -> Vec<Label> {
+pub(super) fn place(
+    contours: &[ContourLine],
+    plan: &Plan,
+    grid: &Grid,
+    unit: ElevationUnit,
+    setter: &Typesetter,
+) -> Vec<Label> {
     let has_input = plan.input.as_ref().is_some_and(|class| class.every.is_some());
     let is_labelled = |line: &ContourLine| match plan.index_levels < FEW_LEVELS {
         true => drawn_as(line) == Source::Input || !has_input,
@@ -46,6 +52,7 @@ pub(super) fn place(contours: &[ContourLine], plan: &Plan, grid: &Grid, setter: 
         char_width: f64::from(setter.width("0", TEXT)) * pixel,
         clearance: CLEARANCE * pixel,
         spacing: SPACING * pixel,
+        unit,
         within: Some([low + CLEARANCE * pixel, high - CLEARANCE * pixel]),
         ..LabelParams::new(FIGURES * pixel)
     };
@@ -114,7 +121,7 @@ mod tests {
     #[test]
     fn labels_are_on_index_contours_inside_of_the_map() {
         let contours = hill(15);
-        let labels = place(&contours, &plan(&contours, &GRID), &GRID, &Typesetter::new());
+        let labels = place(&contours, &plan(&contours, &GRID), &GRID, ElevationUnit::Metre, &Typesetter::new());
         assert!(labels.len() >= 3, "{labels:?}");
         for label in &labels {
             assert!(label.elevation % 50.0 == 0.0 && label.angle > -90.0 && label.angle <= 90.0, "{label:?}");
@@ -124,14 +131,14 @@ mod tests {
             }
         }
         let few = hill(4);
-        let labels = place(&few, &plan(&few, &GRID), &GRID, &Typesetter::new());
+        let labels = place(&few, &plan(&few, &GRID), &GRID, ElevationUnit::Metre, &Typesetter::new());
         assert!(labels.iter().any(|label| label.elevation == 20.0), "few contours are all labelled: {labels:?}");
     }
 
     #[test]
     fn lines_are_interrupted_under_labels_only() {
         let contours = hill(15);
-        let labels = place(&contours, &plan(&contours, &GRID), &GRID, &Typesetter::new());
+        let labels = place(&contours, &plan(&contours, &GRID), &GRID, ElevationUnit::Metre, &Typesetter::new());
         let mask = gaps(&labels, &GRID).unwrap();
         let at = |p: DVec2| mask.data()[p.y as usize * 800 + p.x as usize];
         assert!(labels.iter().all(|label| at(to_pixels(&GRID, label.position)) == 0));

@@ -10,6 +10,7 @@ use super::plan::{Class, Plan};
 use super::stroke::{self, Style, break_line_style};
 use super::text::{Align, Typesetter};
 use crate::scale;
+use tokosen_core::base::Units;
 use tokosen_core::crs::Crs;
 use tokosen_core::skeleton::BreakKind;
 
@@ -41,7 +42,7 @@ pub(super) enum Block {
     /// Samples of lines; one without a style is a remark.
     Keys { keys: Vec<(Option<Style>, String)>, rows: usize },
     /// The tint and the lowest and highest height.
-    Ramp { low: f64, high: f64 },
+    Ramp { low: f64, high: f64, units: Units },
 }
 
 /// An arrow to grid north: up.
@@ -55,16 +56,17 @@ pub(super) struct Content<'a> {
     pub patches: Option<&'a Patches>,
     /// Lowest and highest height.
     pub range: Option<(f64, f64)>,
+    pub units: Units,
 }
 
 /// The blocks of the legend, given the room for them.
 pub(super) fn blocks(content: Content<'_>, room: f32, setter: &Typesetter) -> Vec<Block> {
-    let Content { scale, plan, break_lines, patches, range } = content;
+    let Content { scale, plan, break_lines, patches, range, units } = content;
     let mut blocks = vec![scale];
     let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0, dashes: None }), name);
     let swatches = patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
     let tint = if swatches.is_some() { None } else { range };
-    let keys = [(keys(plan, break_lines), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
+    let keys = [(keys(plan, break_lines, units), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
     for (keys, rows) in keys.into_iter().filter(|(keys, _)| !keys.is_empty()) {
         let wide = Block::Keys { keys, rows };
         let (width, _) = wide.size(setter);
@@ -74,7 +76,7 @@ pub(super) fn blocks(content: Content<'_>, room: f32, setter: &Typesetter) -> Ve
             fits => fits,
         });
     }
-    blocks.extend(tint.map(|(low, high)| Block::Ramp { low, high }));
+    blocks.extend(tint.map(|(low, high)| Block::Ramp { low, high, units }));
     blocks
 }
 
@@ -89,28 +91,28 @@ pub(super) fn crs_label(crs: &Crs) -> Option<String> {
     })
 }
 
-fn keys(plan: &Plan, break_lines: &Chosen) -> Vec<(Option<Style>, String)> {
+fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
     let mut keys = Vec::new();
     let mut contours = |class: &Option<Class>, kind: &str| {
         let Some(class) = class else { return };
-        let step = |every: u32| class.interval().map(|interval| scale::number(interval * f64::from(every)));
+        let step = |every: u32| class.interval().map(|interval| units.height(interval * f64::from(every)));
         // Steep slopes have index contours alone.
         let room = if class.fades { ", where there is room" } else { "" };
         match (class.every, step(1)) {
-            (Some(1), Some(interval)) => keys.push((Some(class.style), format!("{kind}, {interval} m{room}"))),
+            (Some(1), Some(interval)) => keys.push((Some(class.style), format!("{kind}, {interval}{room}"))),
             (Some(1), None) => keys.push((Some(class.style), format!("{kind}{room}"))),
             (Some(every), interval) => {
                 let (all, drawn) = (interval.unwrap_or_default(), step(every).unwrap_or_default());
-                keys.push((Some(class.style), format!("{kind}, {all} m, drawn every {drawn} m{room}")));
+                keys.push((Some(class.style), format!("{kind}, {all}, drawn every {drawn}{room}")));
             }
-            (None, Some(interval)) => keys.push((None, format!("{kind}, {interval} m: too dense to draw"))),
+            (None, Some(interval)) => keys.push((None, format!("{kind}, {interval}: too dense to draw"))),
             (None, None) => keys.push((None, format!("{kind}: too dense to draw"))),
         }
     };
     contours(&plan.input, if plan.of_height_map { "Contours" } else { "Input contours" });
     contours(&plan.interpolated, "Interpolated contours");
     let drawn = [&plan.input, &plan.interpolated].into_iter().flatten().filter(|c| c.has_index && c.every.is_some());
-    let index = plan.index_interval.map(|interval| format!(", {} m", scale::number(interval))).unwrap_or_default();
+    let index = plan.index_interval.map(|interval| format!(", {}", units.height(interval))).unwrap_or_default();
     keys.extend(drawn.take(1).map(|class| (Some(class.index_style), format!("Index contours{index}"))));
     if let Some(class) = plan.interpolated.as_ref().filter(|class| class.has_inferred) {
         keys.push((Some(stroke::dashed(class.style)), "Inferred: hardly known from the input".to_owned()));
@@ -205,7 +207,10 @@ impl Block {
                     left += column_width(column, setter) + GAP.0;
                 }
             }
-            Self::Ramp { low, high } => draw_ramp(pixmap, setter, (*low, *high), (x, y)),
+            Self::Ramp { low, high, units } => {
+                let heights = [*low, *high].map(|z| units.heights.about(z));
+                draw_ramp(pixmap, setter, (heights, units.heights.symbol()), (x, y));
+            }
         }
     }
 }
@@ -251,9 +256,9 @@ fn draw_bar(pixmap: &mut Pixmap, setter: &Typesetter, bar: &scale::Bar, (x, base
 }
 
 /// The tint from the lowest to the highest ground with round heights below it.
-fn draw_ramp(pixmap: &mut Pixmap, setter: &Typesetter, (low, high): (f64, f64), (x, y): (f32, f32)) {
+fn draw_ramp(pixmap: &mut Pixmap, setter: &Typesetter, ([low, high], unit): ([f64; 2], &str), (x, y): (f32, f32)) {
     let left = x;
-    setter.draw(pixmap, "Elevation, m", (left, y + 15.0), TEXT, INK, Align::Left);
+    setter.draw(pixmap, &format!("Elevation, {unit}"), (left, y + 15.0), TEXT, INK, Align::Left);
     let top = y + ROW + 1.0;
     let tint = Tint::new();
     let columns = RAMP.0 as usize;
@@ -298,7 +303,7 @@ mod tests {
 
     fn told(contours: &[ContourLine], shown: Shown) -> Vec<String> {
         let break_lines = Chosen { lines: Vec::new(), shown, width: 1.0 };
-        keys(&plan(contours, &GRID), &break_lines).into_iter().map(|(_, text)| text).collect()
+        keys(&plan(contours, &GRID), &break_lines, Units::METRES).into_iter().map(|(_, text)| text).collect()
     }
 
     #[test]

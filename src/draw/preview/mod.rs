@@ -11,8 +11,8 @@
 //! the ground are left out. The legend says what is drawn.
 
 mod break_lines;
-mod canvas;
-mod color;
+pub(crate) mod canvas;
+pub(crate) mod color;
 mod density;
 mod kinds;
 mod labels;
@@ -25,8 +25,8 @@ mod plan;
 mod render;
 mod scene;
 mod sheet;
-mod stroke;
-mod text;
+pub(crate) mod stroke;
+pub(crate) mod text;
 mod view;
 mod zbuffer;
 

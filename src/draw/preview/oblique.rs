@@ -21,8 +21,8 @@ use super::text::Typesetter;
 use super::view::Subject;
 use super::zbuffer::{self, Corner, Piece, Scene};
 use crate::scale;
-use tokosen_core::base::Grid;
 use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::{Grid, Units};
 use tokosen_core::contour::{ContourLine, Source};
 use tokosen_core::dem::shade::{Lights, ShadeParams};
 use tokosen_core::mesh::Mesh;
@@ -55,6 +55,8 @@ pub struct Model<'a> {
     pub contours: &'a [ContourLine],
     /// Ridge and canyon lines on the model, in map coordinates.
     pub break_lines: &'a [BreakLine],
+    /// The units of heights in the legend.
+    pub units: Units,
     /// A title above the model.
     pub title: Option<&'a str>,
 }
@@ -129,12 +131,13 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     let map = Dem { grid, values: Vec::new(), crs: mesh.crs.clone() };
     let metres_per_pixel = map.metres_per_unit().map(|m| m.x * grid.cell.x);
     let scale = legend::Block::Scale {
-        bar: scale::bar(grid.cols as f64, metres_per_pixel, grid.cell.x),
+        bar: scale::bar(grid.cols as f64, metres_per_pixel, grid.cell.x, model.units.heights),
         arrow: None,
         remark: mesh.crs.as_ref().and_then(legend::crs_label),
     };
     let range = Some(ground.range);
-    let content = legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: None, range };
+    let content =
+        legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: None, range, units: model.units };
     let mut blocks = legend::blocks(content, room as f32, &setter);
     let remark = Some(format!("Seen from south-south-west, heights x {exaggeration}"));
     blocks.insert(1, legend::Block::Scale { bar: None, arrow: None, remark });
@@ -331,7 +334,7 @@ mod tests {
     }
 
     fn picture(mesh: &Mesh, break_lines: &[BreakLine]) -> RgbImage {
-        render_model(&Model { mesh, contours: &[], break_lines, title: Some("Model") }).unwrap()
+        render_model(&Model { mesh, contours: &[], break_lines, units: Units::METRES, title: Some("Model") }).unwrap()
     }
 
     /// A ridge line across a field of a hundred units from west to east, ten units from its northern edge.
@@ -389,7 +392,9 @@ mod tests {
     fn models_that_cannot_be_drawn() {
         let mut mesh = field(2, |_, _| 1.0);
         mesh.vertices[3].z = f64::NAN;
-        let model = |mesh: &Mesh| render_model(&Model { mesh, contours: &[], break_lines: &[], title: None }).is_err();
+        let model = |mesh: &Mesh| {
+            render_model(&Model { mesh, contours: &[], break_lines: &[], units: Units::METRES, title: None }).is_err()
+        };
         assert!(model(&mesh));
         mesh.vertices.fill(DVec3::ONE);
         assert!(model(&mesh));

@@ -47,7 +47,7 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let size = (grid.cell.x, covered.max(1) as f64);
     let break_lines = break_lines::choose(input.break_lines, input.frame, size, input.subject);
     let setter = Typesetter::new();
-    let labels = labels::place(input.contours, &plan, &grid, &setter);
+    let labels = labels::place(input.contours, &plan, &grid, input.units.heights, &setter);
     let gaps = labels::gaps(&labels, &grid);
     lines::draw(&mut map, &grid, input.contours, &plan, &break_lines, gaps.as_ref());
     labels::draw(&mut map, &labels, &grid, &setter);
@@ -55,9 +55,16 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let room = grid.cols.max(MIN_LEGEND);
     let (head, remark) = head(input, &plan, room, &setter);
     let metres = input.dem.metres_per_unit().map(|m| m.x * grid.cell.x);
-    let bar = scale::bar(grid.cols as f64, metres, grid.cell.x);
+    let bar = scale::bar(grid.cols as f64, metres, grid.cell.x, input.units.heights);
     let scale = legend::Block::Scale { bar, arrow: Some(legend::Arrow), remark };
-    let content = legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: input.patches, range };
+    let content = legend::Content {
+        scale,
+        plan: &plan,
+        break_lines: &break_lines,
+        patches: input.patches,
+        range,
+        units: input.units,
+    };
     let blocks = legend::blocks(content, room as f32, &setter);
     let mut sheet = sheet(&map, &blocks, room, &head, &setter)?;
     let corner = (MARGIN + (room - grid.cols) / 2, head.top());
@@ -68,10 +75,11 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
 /// What stands above the map: the interval of the contours and the coordinate reference system. If there is no room for
 /// the system, it is a remark in the legend.
 fn head<'a>(input: &Preview<'a>, plan: &Plan, room: usize, setter: &Typesetter) -> (Head<'a>, Option<String>) {
-    let interval = |class: &Option<_>| class.as_ref().and_then(super::plan::Class::interval).map(scale::number);
+    let interval =
+        |class: &Option<_>| class.as_ref().and_then(super::plan::Class::interval).map(|z| input.units.height(z));
     let contours = match (interval(&plan.input), interval(&plan.interpolated)) {
-        (Some(input), Some(new)) => Some(format!("Contours every {new} m, from contours every {input} m")),
-        (Some(one), None) | (None, Some(one)) => Some(format!("Contours every {one} m")),
+        (Some(input), Some(new)) => Some(format!("Contours every {new}, from contours every {input}")),
+        (Some(one), None) | (None, Some(one)) => Some(format!("Contours every {one}")),
         (None, None) => None,
     };
     let of_drawing = drawing(input).and_then(Reprojection::plane_of_drawing).and_then(legend::crs_label);

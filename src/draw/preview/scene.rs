@@ -7,8 +7,8 @@ use super::patches::Patches;
 use super::render::render;
 use super::sheet::map_grid;
 use super::view::{Preview, Subject};
-use tokosen_core::base::Grid;
 use tokosen_core::base::error::Result;
+use tokosen_core::base::{Grid, Units};
 use tokosen_core::contour::{Contour, ContourLine, Interval, Source};
 use tokosen_core::crs::Reprojection;
 use tokosen_core::dem::compare::heights_between;
@@ -22,13 +22,18 @@ use tokosen_core::surface::{Surface, heights};
 const INDEX_EVERY: i64 = 5;
 
 /// Draws a surface with contours on it. The margin has the coordinates of the input if these are degrees, otherwise
-/// those of the plane.
+/// those of the plane. Heights are in these units.
 ///
 /// # Errors
 /// As [`map_grid`] and [`render`].
-pub fn picture(surface: &Surface, contours: &[ContourLine], reprojection: &Reprojection) -> Result<RgbImage> {
+pub fn picture(
+    surface: &Surface,
+    contours: &[ContourLine],
+    reprojection: &Reprojection,
+    units: Units,
+) -> Result<RgbImage> {
     let (frame, break_lines, subject) = (&surface.frame, surface.break_lines.as_slice(), Subject::Ground);
-    let scene = Scene { frame, contours, break_lines, patches: None, subject, reprojection };
+    let scene = Scene { frame, contours, break_lines, patches: None, subject, reprojection, units };
     scene.draw(|grid| heights(surface, grid, &()))
 }
 
@@ -41,11 +46,12 @@ pub fn subdivision_picture(
     break_lines: &[BreakLine],
     patches: Option<&Patches>,
     reprojection: &Reprojection,
+    units: Units,
 ) -> Result<RgbImage> {
     let contours: Vec<ContourLine> =
         subdivision.map.contours.iter().map(|c| contour_line(c, &subdivision.interval)).collect();
     let (frame, subject) = (&subdivision.frame, Subject::BreakLines);
-    let scene = Scene { frame, contours: &contours, break_lines, patches, subject, reprojection };
+    let scene = Scene { frame, contours: &contours, break_lines, patches, subject, reprojection, units };
     scene.draw(|grid| rasterise(&subdivision.tin, grid, subdivision.map.crs.clone(), &()))
 }
 
@@ -53,13 +59,13 @@ pub fn subdivision_picture(
 ///
 /// # Errors
 /// As [`map_grid`] and [`render`].
-pub fn height_map_picture(dem: &Dem, contours: &[ContourLine]) -> Result<RgbImage> {
+pub fn height_map_picture(dem: &Dem, contours: &[ContourLine], units: Units) -> Result<RgbImage> {
     let Grid { corner, cell, cols, rows } = dem.grid;
     let size = cell * DVec2::new(cols as f64, rows as f64);
     let grid = map_grid(DVec2::new(corner.x, corner.y - size.y), DVec2::new(corner.x + size.x, corner.y))?;
     let values = heights_between(dem, &grid, &Some);
     let dem = Dem { grid, values, crs: dem.crs.clone() };
-    render(&Preview::new(&dem, contours))
+    render(&Preview { units, ..Preview::new(&dem, contours) })
 }
 
 /// What a picture shows.
@@ -70,6 +76,7 @@ struct Scene<'a> {
     patches: Option<&'a Patches>,
     subject: Subject,
     reprojection: &'a Reprojection,
+    units: Units,
 }
 
 impl Scene<'_> {
@@ -77,7 +84,7 @@ impl Scene<'_> {
     fn draw(&self, heights: impl FnOnce(&Grid) -> Dem) -> Result<RgbImage> {
         let (lo, hi) = self.frame.extent();
         let dem = heights(&map_grid(lo, hi)?);
-        let Self { contours, break_lines, patches, subject, reprojection, .. } = *self;
+        let Self { contours, break_lines, patches, subject, reprojection, units, .. } = *self;
         let frame: Vec<_> = self.frame.edges().collect();
         render(&Preview {
             break_lines,
@@ -85,6 +92,7 @@ impl Scene<'_> {
             patches,
             subject,
             reprojection: Some(reprojection),
+            units,
             ..Preview::new(&dem, contours)
         })
     }

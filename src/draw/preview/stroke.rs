@@ -11,13 +11,13 @@ use tokosen_core::skeleton::BreakKind;
 /// Lines are cut off this far beyond the map, so that no cut end shows, pixels.
 const BLEED: f64 = 8.0;
 /// Vertices closer than this to the last one are left out, pixels.
-pub(super) const FINE: f64 = 0.3;
+pub(crate) const FINE: f64 = 0.3;
 /// Dashes of inferred lines, where the contours say little about the height.
 const DASHES: [f32; 2] = [4.0, 3.0];
 
 /// The look of a kind of line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Style {
+pub(crate) struct Style {
     pub color: Rgb,
     /// Pixels.
     pub width: f32,
@@ -28,7 +28,7 @@ pub(super) struct Style {
 }
 
 /// The look of ridge or canyon lines.
-pub(super) const fn break_line_style(kind: BreakKind, width: f32) -> Style {
+pub(crate) const fn break_line_style(kind: BreakKind, width: f32) -> Style {
     let color = match kind {
         BreakKind::Ridge => RIDGE,
         BreakKind::Canyon => CANYON,
@@ -37,12 +37,12 @@ pub(super) const fn break_line_style(kind: BreakKind, width: f32) -> Style {
 }
 
 /// The style of lines that are only inferred.
-pub(super) fn dashed(style: Style) -> Style {
+pub(crate) fn dashed(style: Style) -> Style {
     Style { dashes: Some(DASHES), ..style }
 }
 
 /// Strokes a path, if there is one, as strongly as the mask says.
-pub(super) fn stroke(pixmap: &mut Pixmap, path: Option<Path>, style: Style, mask: Option<&Mask>) {
+pub(crate) fn stroke(pixmap: &mut Pixmap, path: Option<Path>, style: Style, mask: Option<&Mask>) {
     let Some(path) = path else { return };
     // Round ends would fill the gaps between dashes.
     let line_cap = if style.dashes.is_some() { LineCap::Butt } else { LineCap::Round };
@@ -52,7 +52,7 @@ pub(super) fn stroke(pixmap: &mut Pixmap, path: Option<Path>, style: Style, mask
 }
 
 /// The lines as one path in pixels, cut off a little outside the map and no finer than the eye can see.
-pub(super) fn path<P: Iterator<Item = DVec2>>(grid: &Grid, lines: impl Iterator<Item = P>) -> Option<Path> {
+pub(crate) fn path<P: Iterator<Item = DVec2>>(grid: &Grid, lines: impl Iterator<Item = P>) -> Option<Path> {
     let rim = rim(grid);
     let mut path = PathBuilder::new();
     for line in lines {
@@ -82,17 +82,17 @@ pub(super) fn path<P: Iterator<Item = DVec2>>(grid: &Grid, lines: impl Iterator<
 }
 
 /// Map units to pixels of the map, the y axis downwards.
-pub(super) fn to_pixels(grid: &Grid, point: DVec2) -> DVec2 {
+pub(crate) fn to_pixels(grid: &Grid, point: DVec2) -> DVec2 {
     DVec2::new(point.x - grid.corner.x, grid.corner.y - point.y) / grid.cell
 }
 
 /// The right and the lower limit of what is drawn, pixels.
-pub(super) fn rim(grid: &Grid) -> DVec2 {
+pub(crate) fn rim(grid: &Grid) -> DVec2 {
     DVec2::new(grid.cols as f64, grid.rows as f64) + BLEED
 }
 
 /// The part of a segment between -[`BLEED`] and `rim` in both axes (Liang and Barsky 1984).
-pub(super) fn clip(a: DVec2, b: DVec2, rim: DVec2) -> Option<(DVec2, DVec2)> {
+pub(crate) fn clip(a: DVec2, b: DVec2, rim: DVec2) -> Option<(DVec2, DVec2)> {
     if !(a.is_finite() && b.is_finite()) {
         return None;
     }

@@ -11,11 +11,13 @@ use super::color::{PAPER, Rgb};
 
 /// Where a text lies relative to the given place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Align {
+pub(crate) enum Align {
     /// Starts there.
     Left,
     /// Is centred there.
     Center,
+    /// Ends there.
+    Right,
 }
 
 /// Extra stroke width, pixels, because small text in a light face is pale.
@@ -30,7 +32,7 @@ const RIM_ALPHA: f32 = 0.55;
 
 /// Where a turned text is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Turned {
+pub(crate) struct Turned {
     /// Its centre, pixels.
     pub at: (f32, f32),
     /// Degrees clockwise.
@@ -40,7 +42,7 @@ pub(super) struct Turned {
 }
 
 /// Sets text.
-pub(super) struct Typesetter {
+pub(crate) struct Typesetter {
     font: FontRef<'static>,
 }
 
@@ -60,6 +62,7 @@ impl Typesetter {
         let left = match align {
             Align::Left => x,
             Align::Center => x - self.width(text, size) / 2.0,
+            Align::Right => x - self.width(text, size),
         };
         let Some(path) = self.outline(text, size) else { return };
         fill(pixmap, &path, Transform::from_translate(left, y), color, EMBOLDEN);

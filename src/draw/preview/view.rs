@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::patches::Patches;
+use tokosen_core::base::Units;
 use tokosen_core::contour::ContourLine;
 use tokosen_core::crs::Reprojection;
 use tokosen_core::raster::Dem;
@@ -25,6 +26,8 @@ pub struct Preview<'a> {
     pub subject: Subject,
     /// The conversion to the coordinates of the input. If these are degrees, the margin has degrees.
     pub reprojection: Option<&'a Reprojection>,
+    /// The units of the heights and of the scale bar. A plane whose unit is not known has a bar in map units.
+    pub units: Units,
     /// A title above the map.
     pub title: Option<&'a str>,
 }
@@ -40,6 +43,7 @@ impl<'a> Preview<'a> {
             patches: None,
             subject: Subject::Ground,
             reprojection: None,
+            units: Units::METRES,
             title: None,
         }
     }

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use super::maps;
 use crate::coordinates::{Notation, Tick, Ticks, ticks};
 use crate::scale::{self, Bar};
-use tokosen_core::base::Grid;
+use tokosen_core::base::{ElevationUnit, Grid};
 use tokosen_core::raster::{RasterRows, metres_per_unit as metres_per_unit_of};
 
 /// Size of the text, pixels.
@@ -55,7 +55,12 @@ impl View {
         let place = |p: DVec2| Some(grid.corner + DVec2::new(p.x, -p.y) / scale);
         let ticks = ticks(extent * per_metre, notation, place);
         let metres = metres_per_unit_of(&dem.grid(), dem.crs()).map(|_| 1.0 / per_metre);
-        Self { grid: *grid, scale, ticks, bar: scale::bar(extent.x * per_metre, metres, 1.0 / scale.x) }
+        Self {
+            grid: *grid,
+            scale,
+            ticks,
+            bar: scale::bar(extent.x * per_metre, metres, 1.0 / scale.x, ElevationUnit::Metre),
+        }
     }
 
     fn size(&self) -> DVec2 {

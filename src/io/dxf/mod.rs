@@ -23,4 +23,5 @@ mod unit;
 mod write;
 
 pub(super) use read::read;
+pub(super) use unit::code_of as unit_code;
 pub(super) use write::write;

@@ -68,7 +68,7 @@ fn unit(code: i64) -> Option<DrawingUnit> {
 
 /// The code of a unit in the header, and whether it is one of the metric system. No unit is known if the format has none of
 /// this size.
-pub(super) fn code_of(unit: Option<&LengthUnit>) -> (i64, bool) {
+pub(crate) fn code_of(unit: Option<&LengthUnit>) -> (i64, bool) {
     // Coordinates of which nothing is known count as metres everywhere.
     let Some(unit) = unit else { return (METRE, true) };
     let is_it = |known: &&DrawingUnit| (known.3 - unit.metres).abs() <= 1e-7 * known.3;

@@ -10,6 +10,7 @@ use rusqlite::{Connection, OptionalExtension, Params, params};
 
 use super::engine::{in_words, open_to_write};
 use super::quoted::quoted;
+use super::styles;
 use super::target::index_of;
 use super::write::EXTENSIONS_TABLE;
 use tokosen_core::base::error::{Error, Result};
@@ -50,6 +51,7 @@ fn run(added: &Path, target: &Path) -> rusqlite::Result<bool> {
     for layer in &texts(&transaction, "SELECT table_name FROM added.gpkg_contents ORDER BY rowid", [])? {
         remove(&transaction, layer)?;
         add(&transaction, layer)?;
+        styles::copy(&transaction, layer)?;
     }
     transaction.commit()?;
     db.execute_batch("DETACH DATABASE added")?;

@@ -4,6 +4,7 @@ mod engine;
 mod merge;
 mod quoted;
 mod read;
+mod styles;
 mod target;
 pub(super) mod wkb;
 mod write;

@@ -7,6 +7,7 @@ use std::path::Path;
 use rusqlite::{Connection, params, params_from_iter};
 
 use super::quoted::quoted;
+use super::styles;
 use super::target::{OWN_SRS_ID, SrsRow, srs_id_in};
 use super::wkb;
 use crate::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};
@@ -19,7 +20,7 @@ const APPLICATION_ID: i32 = 0x4750_4B47;
 /// Version 1.3.0 of the format.
 const USER_VERSION: i32 = 10300;
 /// Written as the time of the last change.
-const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
+pub(super) const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
 /// The id of WGS 84, which every file has.
 const WGS84_SRS_ID: i32 = 4326;
 /// The id that the format reserves for plane coordinates of an unknown system.
@@ -106,6 +107,7 @@ fn fill(path: &Path, layers: &[Layer<'_>], system: Option<&SrsRow>, srs_id: i32)
     for layer in layers {
         add_layer(&transaction, layer, srs_id)?;
     }
+    styles::add(&transaction, layers)?;
     transaction.commit()?;
     db.close().map_err(|(_, e)| e)
 }

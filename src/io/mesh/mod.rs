@@ -1,10 +1,13 @@
-//! Writes meshes: PLY, OBJ and binary glTF. The file's extension selects the format.
+//! Writes meshes: PLY, OBJ and binary glTF; and surfaces of triangles as LandXML and DXF. The file's extension selects the format.
 //!
 //! | name | axes | positions |
 //! |---|---|---|
 //! | `.ply` | z up | double precision, offset and reference system as comments |
 //! | `.obj` | z up | decimal, exact; offset and reference system as comments |
 //! | `.glb` | y up, z south, as glTF has it | single precision, offset and reference system in the `extras` of scene, node and asset |
+//!
+//! | `.xml` | LandXML 1.2, northing before easting | decimal, in map coordinates |
+//! | `.dxf` | z up | a 3DFACE for each triangle, in map coordinates |
 //!
 //! Positions of `.ply` and `.obj` are in the unit of the mesh, those of `.glb` always in metres, which glTF prescribes.
 //!
@@ -13,7 +16,9 @@
 //! vertex indices do not change: no crack opens, and a solid stays closed.
 
 mod crs_name;
+mod dxf;
 mod glb;
+mod landxml;
 mod obj;
 mod ply;
 
@@ -28,17 +33,24 @@ use tokosen_core::mesh::Mesh;
 
 /// The extensions that [`write_mesh`] accepts, for messages and help texts.
 pub const MESH_EXTENSIONS: [&str; 3] = ["ply", "obj", "glb"];
+/// The extensions of [`write_mesh`] for surfaces in map coordinates, without walls.
+pub const SURFACE_EXTENSIONS: [&str; 2] = ["xml", "dxf"];
 
 /// Writes a mesh in the format of the extension of `path`.
 ///
 /// # Errors
-/// The extension is not in [`MESH_EXTENSIONS`], the mesh is larger than the format can hold, or the operating system
+/// The extension is in neither [`MESH_EXTENSIONS`] nor [`SURFACE_EXTENSIONS`], a solid is to become a surface, the mesh is larger than the format can hold, or the operating system
 /// reports an error.
 pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match extension.as_str() {
         "ply" => create(path, |out| ply::write(out, mesh)),
         "obj" => create(path, |out| obj::write(out, mesh)),
+        "xml" | "dxf" if mesh.base.is_some() => {
+            Err(Error::file(path, "a surface has no walls and no bottom: write a solid as .ply, .obj or .glb"))
+        }
+        "xml" => create(path, |out| landxml::write(out, mesh)),
+        "dxf" => create(path, |out| dxf::write(out, mesh)),
         "glb" => {
             let in_metres = mesh.in_metres();
             let mesh = in_metres.as_ref().unwrap_or(mesh);
@@ -50,7 +62,7 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
             path,
             format!(
                 "no mesh format has this extension; meshes are written as {}",
-                MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+                [MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS].concat().join(", ")
             ),
         )),
     }
@@ -72,7 +84,10 @@ pub fn placement(path: &Path, mesh: &Mesh) -> String {
     let DVec3 { x, y, z } = mesh.origin;
     let crs = crs_name::crs_name(mesh).map_or(String::new(), |name| format!("; {name}"));
     let unit = mesh.unit_name();
+    let is_in_place =
+        SURFACE_EXTENSIONS.iter().any(|own| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(own)));
     match is_y_up {
+        _ if is_in_place => format!("x, y and heights are those of the map, in the {unit}{crs}"),
         true => format!("east = x + {x}, north = {y} - z, height = y + {z}, in the {unit}{crs}"),
         false => format!("east = x + {x}, north = y + {y}, height = z + {z}, in the {unit}{crs}"),
     }

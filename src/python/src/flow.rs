@@ -142,7 +142,7 @@ fn make(
                     return Err(Error::Parameter(format!("flood_level is {level}, which is no elevation")));
                 }
                 (Some(level), _) => {
-                    let from: FloodFrom = flood_source(&places(&water.flood_from), dem, level)?;
+                    let from: FloodFrom = flood_source(&places(&water.flood_from), dem, level)?.collect(findings);
                     flood_to_level(dem, &scale, level, &from, memory)?
                 }
                 (None, rise) => {

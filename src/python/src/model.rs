@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use tokosen::io::mesh::{MESH_EXTENSIONS, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, SURFACE_EXTENSIONS, write_mesh};
 use tokosen::io::{StagedOutput, check_paths};
 use tokosen::mesh::Mesh;
 
@@ -34,8 +34,9 @@ impl Model {
 
     fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        if !MESH_EXTENSIONS.contains(&extension.as_str()) {
-            let known = MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
+        let known = [MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS].concat();
+        if !known.contains(&extension.as_str()) {
+            let known = known.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
             return Err(parameter(py, format!("{}: models are written as {known}", path.display())));
         }
         let write = || {

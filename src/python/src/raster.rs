@@ -6,7 +6,9 @@ use glam::DVec2;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use tokosen::base::Grid;
+use tokosen::base::Units;
 use tokosen::base::error::Finding;
+use tokosen::dem::volume::Heights;
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
@@ -120,10 +122,38 @@ impl Raster {
         self.quantity.name()
     }
 
+    /// Volumes above and below levels, or those between this height map and another one on the same cells: for each, the level,
+    /// cut, fill, their areas, and the greatest error of the net volume.
+    #[pyo3(signature = (levels, other, sigma))]
+    fn volume(
+        &self,
+        py: Python<'_>,
+        levels: Vec<f64>,
+        other: Option<PyRef<'_, Raster>>,
+        sigma: Option<f64>,
+    ) -> PyResult<Vec<[f64; 6]>> {
+        let dem = self.dem(py)?;
+        let other = other.map(|other| other.dem(py)).transpose()?;
+        let own = self.error.as_ref().map(|error| copied(py, error)).transpose()?;
+        let errors = sigma.map(|sigma| vec![sigma as f32; dem.values.len()]).or(own);
+        work(py, None, |_| {
+            let heights = match &other {
+                Some(other) => Heights::between(&dem, other, errors.as_deref(), None)?,
+                None => Heights::of(&dem, errors.as_deref(), None)?,
+            };
+            let row = |level: &f64| {
+                let found = heights.at(*level);
+                let most = found.errors.map_or(f64::NAN, |errors| errors[2].most);
+                [found.level, found.cut, found.fill, found.cut_area, found.fill_area, most]
+            };
+            Ok(levels.iter().map(row).collect())
+        })
+    }
+
     /// A picture of a height map, as PNG.
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let dem = self.dem(py)?;
-        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[])?))
+        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[], Units::METRES)?))
     }
 
     /// Writes the raster.

@@ -8,6 +8,7 @@ use tokosen::base::error::{Finding, Severity};
 use tokosen::base::progress::Progress;
 use tokosen::contour::{ContourLayer, distinct_levels};
 use tokosen::crs::FromWorking;
+use tokosen::dem::profile::stations;
 use tokosen::io::layer::{
     break_lines, labels_layer, of_conflicts, of_contours, of_findings, of_labels, pit_points, stream_lines,
 };
@@ -92,6 +93,17 @@ impl Unbuilt {
     }
 }
 
+/// Places along a line if no step is given.
+const STEPS: f64 = 500.0;
+
+impl Terrain {
+    /// Places in the coordinates of the contours on the working plane.
+    fn on_plane(&self, points: &[[f64; 2]]) -> tokosen::Result<Vec<DVec2>> {
+        let way = self.terrain.reprojection.bring(None)?;
+        points.iter().map(|&p| Ok(way.point(DVec2::from(p).extend(0.0))?.truncate())).collect()
+    }
+}
+
 #[pymethods]
 impl Terrain {
     /// Builds the surface. `cells` are those of the height map that will be asked for; `only_dem` leaves out what only contours
@@ -154,6 +166,40 @@ impl Terrain {
         let report = work(py, progress, |progress| self.terrain.height_map(&grid, progress))?;
         let HeightMap { dem, errors, .. } = report.value;
         Raster::new(py, dem, errors, Quantity::Height, &report.findings)
+    }
+
+    /// Heights and standard errors at places in the coordinates of the contours.
+    #[pyo3(signature = (points))]
+    fn sample(&self, py: Python<'_>, points: Vec<[f64; 2]>) -> PyResult<[Vec<f64>; 2]> {
+        work(py, None, |_| {
+            let samples = self.terrain.sample(&self.on_plane(&points)?);
+            Ok([
+                samples.iter().map(|sample| sample.height).collect(),
+                samples.iter().map(|sample| sample.error).collect(),
+            ])
+        })
+    }
+
+    /// Distances, x, y, heights and standard errors along a line in the coordinates of the contours.
+    #[pyo3(signature = (line, step))]
+    fn profile(&self, py: Python<'_>, line: Vec<[f64; 2]>, step: Option<f64>) -> PyResult<[Vec<f64>; 5]> {
+        work(py, None, |_| {
+            let line = self.on_plane(&line)?;
+            let length: f64 = line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+            let stations = stations(&line, step.unwrap_or(length / STEPS), DVec2::ONE)?;
+            let places: Vec<DVec2> = stations.iter().map(|station| station.place).collect();
+            let samples = self.terrain.sample(&places);
+            let reprojection = &self.terrain.reprojection;
+            let back = |p: &DVec2| if reprojection.are_unmoved() { Some(*p) } else { reprojection.in_input(*p) };
+            let there: Vec<DVec2> = places.iter().map(|p| back(p).unwrap_or(DVec2::NAN)).collect();
+            Ok([
+                stations.iter().map(|station| station.distance).collect(),
+                there.iter().map(|p| p.x).collect(),
+                there.iter().map(|p| p.y).collect(),
+                samples.iter().map(|sample| sample.height).collect(),
+                samples.iter().map(|sample| sample.error).collect(),
+            ])
+        })
     }
 
     /// A 3-D model; a solid if the height of its bottom is given.
@@ -224,7 +270,12 @@ impl Terrain {
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         work(py, None, |_| {
             let lines = self.terrain.input_contours()?.lines;
-            let picture = tokosen::draw::preview::picture(&self.terrain.surface, &lines, &self.terrain.reprojection)?;
+            let picture = tokosen::draw::preview::picture(
+                &self.terrain.surface,
+                &lines,
+                &self.terrain.reprojection,
+                self.terrain.units(),
+            )?;
             tokosen::io::raster::picture_bytes(&picture)
         })
     }

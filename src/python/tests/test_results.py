@@ -92,3 +92,32 @@ def test_a_base_in_memory_fills_around_the_contours():
     base = (np.full((100, 100), 5, dtype=np.float32), (20, 0, -1000, 0, -20, 1000), "EPSG:6677")
     dem = tokosen.dem(tokosen.example(), 20, base=base)
     assert dem.shape == (100, 100) and np.isfinite(dem.values).all()
+
+
+def test_samples_and_profiles_are_heights_of_the_surface():
+    terrain = tokosen.Terrain(DRAWN, uncertainty=True)
+    dem = terrain.dem(cell=5)
+    rows, cols = np.nonzero(np.isfinite(dem.values))
+    t = dem.transform
+    x, y = t.c + (cols + 0.5) * t.a, t.f + (rows + 0.5) * t.e
+    heights, errors = terrain.sample(np.column_stack([x, y]))
+    # Cell by cell the same surface; height maps of streams and water may differ, and there are none here.
+    assert np.nanmax(np.abs(heights - dem.values[rows, cols])) < 0.5
+    assert np.isfinite(errors).all()
+    along = terrain.profile([(x[0], y[0]), (x[-1], y[-1])], step=3)
+    assert along["distance"][-1] == pytest.approx(np.hypot(x[-1] - x[0], y[-1] - y[0]))
+    assert len(along["z"]) == len(along["x"]) and np.isfinite(along["z"]).any()
+    with pytest.raises(tokosen.ParameterError, match="pairs of x and y"):
+        terrain.sample([1.0, 2.0])
+
+
+def test_volumes_are_sums_over_cells():
+    dem = tokosen.dem(DRAWN, cell=5)
+    heights = dem.values[np.isfinite(dem.values)].astype(float)
+    level = float(np.median(heights))
+    found = dem.volume(level, sigma=0.5)
+    assert found.cut == pytest.approx(25 * np.clip(heights - level, 0, None).sum(), rel=1e-6)
+    assert found.fill == pytest.approx(25 * np.clip(level - heights, 0, None).sum(), rel=1e-6)
+    assert found.error_most == pytest.approx(25 * heights.size * 0.5, rel=1e-6)
+    assert [volume.level for volume in dem.volume([level, level + 1])] == [level, level + 1]
+    assert dem.volume(other=dem).cut == 0.0

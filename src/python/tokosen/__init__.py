@@ -16,15 +16,16 @@ those of the program. While the work is done, other threads of Python run, and C
 RAYON_NUM_THREADS sets the number of threads; the result does not depend on it.
 """
 
-from tokosen._dem import Dem, Transform
+from tokosen._dem import Dem, Transform, Volume
 from tokosen._errors import Error, FileError, FindingWarning, InputError, OutOfMemoryError, ParameterError
 from tokosen._example import example
 from tokosen._layers import Layer
-from tokosen._terrain import Mesh, Terrain
+from tokosen._terrain import Accuracy, Mesh, Terrain
 from tokosen._tokosen import __version__
 from tokosen._verbs import Check, Comparison, check, compare, contour, dem, densify, derive, mesh, regions, skeleton
 
 __all__ = [
+    "Accuracy",
     "Check",
     "Comparison",
     "Dem",
@@ -38,6 +39,7 @@ __all__ = [
     "ParameterError",
     "Terrain",
     "Transform",
+    "Volume",
     "__version__",
     "check",
     "compare",

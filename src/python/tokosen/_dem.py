@@ -27,6 +27,23 @@ class Transform(NamedTuple):
     f: float
 
 
+class Volume(NamedTuple):
+    """Volumes above and below a level, cubic metres."""
+
+    level: float
+    """The level, metres; 0 between two height maps."""
+    cut: float
+    """Volume of the ground above the level."""
+    fill: float
+    """Volume between the ground and the level above it: what a reservoir holds."""
+    cut_area: float
+    """Area of the ground above the level, square metres."""
+    fill_area: float
+    """Area of the ground below the level, square metres."""
+    error_most: float
+    """Error of cut minus fill if all heights are wrong by their standard error in the same direction; NaN if it is not known."""
+
+
 class Dem:
     """Values on a grid of cells with north up: heights, or what is derived from them.
 
@@ -116,6 +133,22 @@ class Dem:
         a, _, c, _, e, f = self.transform
         rows, columns = self.shape
         return c, f + e * rows, c + a * columns, f
+
+    def volume(self, level: Any = None, *, other: Any = None, sigma: float | None = None) -> Any:
+        """Volumes above a level (`cut`) and below it (`fill`), or between this height map and another one with the same cells.
+
+        `level` is a height or several of them, metres; for several, the result is a list. `other` is a height map: then `cut` is the
+        volume where this one is higher. Volumes are cubic metres, areas square metres. `error_most` is the error of the net volume
+        if all heights are wrong by their standard error in the same direction; `sigma` is that error if the height map has none.
+
+        >>> dem = tokosen.dem(tokosen.example(), cell=10)
+        >>> dem.volume(0).fill
+        0.0
+        """
+        levels = [0.0] if level is None else np.atleast_1d(np.asarray(level, dtype=np.float64)).tolist()
+        beside = None if other is None else raster("other", other)
+        found = [Volume(*row) for row in self._raster.volume(levels, beside, sigma)]
+        return found if np.ndim(level) > 0 else found[0]
 
     def to_xarray(self) -> Any:
         """A DataArray with the coordinates of cell centres, and the CRS as rioxarray and GDAL write it. xarray must be installed.

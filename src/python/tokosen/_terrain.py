@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
 from tokosen import _tokosen
 from tokosen._crs import crs_text
 from tokosen._dem import Dem
+from tokosen._errors import ParameterError
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
 from tokosen._options import RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
 from tokosen._sources import is_frame, sources
 from tokosen._work import Progress, reporting, warn_of
+
+
+class Accuracy(NamedTuple):
+    """The expected error of heights, metres."""
+
+    rmse: float
+    """Root mean square."""
+    le90: float
+    """The error that 90 % of the heights are within."""
 
 
 class Mesh:
@@ -208,6 +218,32 @@ class Terrain:
         with reporting(progress) as report:
             return Dem(self._terrain.dem(cells(cell, cell_degrees, like, to_crs), report))
 
+    def sample(self, points: Any) -> tuple[np.ndarray[Any, np.dtype[np.float64]], np.ndarray[Any, np.dtype[np.float64]]]:
+        """Heights at places and their standard errors, metres. NaN where there is no ground, and for errors if the terrain was
+        built without `uncertainty`.
+
+        `points` are (x, y) pairs in the coordinates of the contours: an array (n, 2), or a list.
+
+        >>> heights, errors = tokosen.Terrain(tokosen.example()).sample([(0.0, 1e9)])
+        >>> heights
+        array([nan])
+        """
+        heights, errors = self._terrain.sample(_places("points", points))
+        return np.asarray(heights), np.asarray(errors)
+
+    def profile(self, line: Any, step: float | None = None) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
+        """Heights along a line: arrays `distance` (metres from its start), `x`, `y`, `z` and `error` (metres), as columns of a frame.
+
+        `line` is a LineString, or (x, y) pairs in the coordinates of the contours. Places are at most `step` metres apart (a 500th of
+        the line), and all vertices of the line are among them.
+
+        >>> terrain = tokosen.Terrain(tokosen.example())
+        >>> sorted(terrain.profile([(0, 0), (100, 0)], step=50))
+        ['distance', 'error', 'x', 'y', 'z']
+        """
+        columns = self._terrain.profile(_places("line", getattr(line, "coords", line)), step)
+        return {name: np.asarray(column) for name, column in zip(("distance", "x", "y", "z", "error"), columns, strict=True)}
+
     def skeleton(self, *, output: Output = None, progress: Progress = None) -> Any:
         """Ridge and canyon lines with heights, as the function `skeleton` with the same input.
 
@@ -286,8 +322,8 @@ class Terrain:
         return Layer(self._terrain.conflicts())
 
     @property
-    def accuracy(self) -> tuple[float, float] | None:
-        """The expected error of heights, metres: root mean square, and the error that 90 % are within. None if unknown.
+    def accuracy(self) -> Accuracy | None:
+        """The expected error of heights, metres: `rmse`, root mean square, and `le90`, which 90 % of them are within. None if unknown.
 
         It is estimated by hiding contours. A small map has too few of them.
 
@@ -295,7 +331,7 @@ class Terrain:
         True
         """
         accuracy: tuple[float, float] | None = self._terrain.figures()["accuracy"]
-        return accuracy
+        return None if accuracy is None else Accuracy(*accuracy)
 
     @property
     def interval(self) -> float:
@@ -354,3 +390,12 @@ def terrain_for_dem(
     terrain = Terrain.__new__(Terrain)
     terrain._build(contours, grid, uncertainty, to_unit, True, progress, given)
     return terrain
+
+
+def _places(name: str, given: Any) -> list[list[float]]:
+    """(x, y) pairs as the extension module takes them; further coordinates do not count."""
+    array = np.asarray(given, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] < 2:
+        raise ParameterError(f"{name} must be pairs of x and y, an array (n, 2); it has the shape {array.shape}")
+    places: list[list[float]] = array[:, :2].tolist()
+    return places

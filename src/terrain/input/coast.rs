@@ -34,7 +34,7 @@ impl Input {
             }
             None => {
                 let nearest = nearest.map_or(String::new(), |level| format!("; the nearest level is {level} m"));
-                Err(Error::Parameter(format!("no contour has the level of the coast, {level}{nearest}")))
+                Err(Error::Parameter(format!("no contour has the level of the coast, {level} m{nearest}")))
             }
         }
     }

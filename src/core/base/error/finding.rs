@@ -227,6 +227,10 @@ kinds! {
     OutletOutside = "outlet-outside", Warning, "outlets outside the height map";
     /// The catchment above an outlet reaches the edge of the height map. In truth it may be larger.
     CatchmentCut = "catchment-cut", Warning, "catchments that reach the edge of the height map";
+    /// A place that the water of a flood was to come from is not below the level, or outside the height map.
+    FloodSourceDry = "flood-source-dry", Warning, "places that no flood can come from";
+    /// Nearly all pixels of the terrain tiles lie beyond the height map.
+    TilesBeyondMap = "tiles-beyond-map", Warning, "terrain tiles mostly beyond the map";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.

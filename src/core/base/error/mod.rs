@@ -376,12 +376,12 @@ fn one_level(lines: usize, elevation: f64, in_polygon: bool) -> String {
     let inside = inside(in_polygon);
     if lines == 1 {
         return format!(
-            "there is one contour line only{inside} (elevation {elevation}): a surface needs contours of two levels"
+            "there is one contour line only{inside} (elevation {elevation} m): a surface needs contours of two levels"
         );
     }
     let remedy = if in_polygon { "choose a larger polygon" } else { "is it the right elevation field?" };
     format!(
-        "all {lines} contour lines{inside} have the elevation {elevation}: a surface needs contours of two levels ({remedy})"
+        "all {lines} contour lines{inside} have the elevation {elevation} m: a surface needs contours of two levels ({remedy})"
     )
 }
 

@@ -203,7 +203,7 @@ fn finding(map: &ContourMap, part: &SplitOff, around: &Box2, body: &Box2, kind: 
         (FindingKind::FarAway, "they are in another zone, or their coordinates have an error")
     };
     let message = format!(
-        "lines ({}) lie {:.3} map units away from all others, which lie within {:.3}: {why}",
+        "lines ({}) lie {:.3} map units away from all others, which lie within {:.3} map units: {why}",
         part.lines.len(),
         part.gap,
         body.diagonal()

@@ -29,7 +29,7 @@ pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &Hash
         let reach = shape.boxes[i].diagonal();
         let message = if reach < SHORT * shape.spacing {
             format!(
-                "{name} is {length:.2e} map units long; the median distance between vertices is {:.3}",
+                "{name} is {length:.2e} map units long; the median distance between vertices is {:.3} map units",
                 shape.spacing
             )
         } else if is_flat(line, length, shape.spacing) {

@@ -144,12 +144,12 @@ pub(crate) fn lake_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2, 
     let shown = rounded(*height);
     let message = if band.contains(*height) {
         format!(
-            "the shore of the lake of feature {feature} at {shown} is open beside a contour of another level; it is left out"
+            "the shore of the lake of feature {feature} at {shown} m is open beside a contour of another level; it is left out"
         )
     } else {
         let Band { lo, hi } = band;
         format!(
-            "the lake of feature {feature} has the height {shown} and lies between contours {lo} and {hi}; it is left out"
+            "the lake of feature {feature} has the height {shown} m and lies between contours {lo} m and {hi} m; it is left out"
         )
     };
     Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)

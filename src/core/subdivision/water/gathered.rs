@@ -86,7 +86,7 @@ fn around(area: &MultiPolygon<f64>) -> Option<Rectangle<[f64; 2]>> {
 /// The finding that a lake is cut back from water of another height.
 fn cut_from(body: &WaterBody, other: &WaterBody) -> Finding {
     let message = format!(
-        "the lake of feature {} meets that of feature {}, which has another height ({} and {}); it is cut back",
+        "the lake of feature {} meets that of feature {}, which has another height ({} m and {} m); it is cut back",
         body.feature,
         other.feature,
         rounded(body.height),

@@ -47,16 +47,16 @@ pub(crate) fn sea_level(water: &Water, map: &ContourMap, findings: &mut Vec<Find
     let mut levels = distinct_levels(&map.contours);
     levels.sort_by(|a, b| (a - sea).abs().total_cmp(&(b - sea).abs()));
     let Some(level) = levels.first().copied().filter(|l| (l - sea).abs() <= SAME_LEVEL) else {
-        let near: Vec<String> = levels.iter().take(LISTED).map(f64::to_string).collect();
+        let near: Vec<String> = levels.iter().take(LISTED).map(|level| format!("{level} m")).collect();
         return Err(Error::Parameter(format!(
-            "no contour has the level of the sea, {sea}, and only contours of that level show the coast; the nearest \
+            "no contour has the level of the sea, {sea} m, and only contours of that level show the coast; the nearest \
              levels are {}",
             near.join(", ")
         )));
     };
     if let Some(below) = map.contours.iter().find(|c| c.elevation < level) {
         let message = format!(
-            "contour {} lies below the sea ({level}): the ground between the coast and such contours does not \
+            "contour {} m lies below the sea ({level} m): the ground between the coast and such contours does not \
              become sea",
             below.elevation
         );

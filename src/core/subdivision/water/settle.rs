@@ -168,7 +168,7 @@ fn height_of(lake: &Lake, dry: &DrySubdivision, levels: &[f64], net: &Net, near:
     };
     if !is_height(height) {
         let message = format!(
-            "the lake of feature {} has the height {height}, which is not possible: correct it, or leave it \
+            "the lake of feature {} has the height {height} m, which is not possible: correct it, or leave it \
              empty to take the height of the shore",
             lake.feature
         );
@@ -181,7 +181,7 @@ fn height_of(lake: &Lake, dry: &DrySubdivision, levels: &[f64], net: &Net, near:
 fn crossed(feature: FeatureId, height: f64, clash: &Clash) -> Finding {
     let course = if clash.is_extension { "the extension to the frame of contour" } else { "contour" };
     let message = format!(
-        "the lake of feature {feature} at {} is crossed or touched by {course} {}; it is cut back from it",
+        "the lake of feature {feature} at {} m is crossed or touched by {course} {} m; it is cut back from it",
         rounded(height),
         clash.level
     );

@@ -123,6 +123,19 @@ fn climb(region: &Region, height: f64) -> Option<(f64, bool)> {
 }
 
 impl ErrorField {
+    /// The distance over which errors are alike, map units. Between two contours, the surface is too high or too low over the whole
+    /// width, which is about twice the distance from the farther one. Wide places have the large errors, so the mean is
+    /// that of the squares, weighted with the variance. `None` if there is no error.
+    pub fn reach(&self) -> Option<f64> {
+        let nodes = self.parts.iter().flat_map(|part| part.errors.iter().zip(&part.reaches));
+        let known =
+            nodes.map(|(error, reach)| (f64::from(*error), f64::from(*reach))).filter(|(error, _)| *error > 0.0);
+        let (sum, weights) = known.fold((0.0, 0.0), |(sum, weights), (error, reach)| {
+            (sum + error * error * reach * reach, weights + error * error)
+        });
+        (weights > 0.0).then(|| 2.0 * (sum / weights).sqrt())
+    }
+
     /// The same for a surface that misses its contours: `misfit` is by how much at each node of a grid, metres. Water has no
     /// error all the same.
     pub fn with_misfit(mut self, misfit: impl Fn(&Grid) -> Vec<f32>) -> Self {
