@@ -134,7 +134,7 @@ pub fn run(args: &VolumeArgs, console: &Console) -> Result<(), Failure> {
         None => vec![heights.at(args.level.map_or(0.0, |level| unit.metres(level)))],
     };
     let units = Units::all(unit);
-    results.write(&table(&found, units, args.b.is_some()), || storage(&found, units), console)?;
+    results.write(&table(&found, units, args.b.as_ref()), || storage(&found, units), console)?;
 
     let placed: Vec<Finding> = findings.iter().map(Finding::with_place_in_words).collect();
     summary::findings(&placed, console);
@@ -236,19 +236,19 @@ fn cubic(cubic_metres: f64, units: Units) -> String {
     format!("{millions:.decimals$} million {sign}")
 }
 
-/// The table, a row for each level.
-fn table(found: &[Volume], units: Units, has_b: bool) -> String {
+/// The table, a row for each level. Between A and B there is no level.
+fn table(found: &[Volume], units: Units, b: Option<&VectorSource>) -> String {
     let unit = units.heights.symbol().replace(' ', "_").to_lowercase();
     let square = |area: f64| cell(units.heights.about(units.heights.about(area)), 1);
     let volume = |volume: f64| cell(in_unit(volume, units), 1);
-    let level = if has_b { String::new() } else { format!("level_{unit},") };
+    let level = if b.is_some() { String::new() } else { format!("level_{unit},") };
     let mut text = format!("{level}cut_{unit}3,cut_area_{unit}2,fill_{unit}3,fill_area_{unit}2,net_{unit}3");
     for name in ["cut", "fill", "net"] {
         let _ = write!(text, ",{name}_error_likely_{unit}3,{name}_error_most_{unit}3");
     }
     text.push('\n');
     for found in found {
-        if !has_b {
+        if b.is_none() {
             let _ = write!(text, "{},", units.height_number(found.level));
         }
         let [cut, fill, net] = [found.cut, found.fill, found.net()].map(volume);
