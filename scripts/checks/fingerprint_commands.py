@@ -111,7 +111,7 @@ COMMANDS = {
         "1b_one_convolution", "1d_two_branches_one_convolution", "2_triangles", "3a_spur", "3b_three_arms",
         "5ab_two_branches_ridges_canyon", "6_ridge")),
     "help": "--version && --help && " + " && ".join(f"{verb} --help" for verb in (
-        "densify", "dem", "derive", "mesh", "compare", "check", "regions", "skeleton")),
+        "densify", "dem", "derive", "mesh", "compare", "check", "regions", "skeleton", "plan", "work", "join")),
 }
 
 # Commands that have to stop, with their exit status.
