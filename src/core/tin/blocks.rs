@@ -5,8 +5,6 @@
 //! Certain triangles of two blocks never overlap. What they leave open, mostly strips along the borders of blocks, is
 //! triangulated last, bounded by their edges. A block fits into the processor's caches, so this is faster on one core too.
 
-use std::ops::Range;
-
 use glam::DVec2;
 
 use super::build::{Face, faces_between};
@@ -28,12 +26,12 @@ const SLENDER: f64 = 1e-9;
 /// The triangulation of `positions` with `edges`, in blocks of at most `most` points. `None` if the parts do not fit together,
 /// which rounding might cause.
 pub(super) fn in_blocks(positions: &[DVec2], edges: &[[u32; 2]], most: usize) -> Result<Option<Vec<Face>>> {
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    let mut blocks = Vec::new();
-    parted(&mut order, 0, (DVec2::NEG_INFINITY, DVec2::INFINITY), (positions, most), &mut blocks);
+    let points = (0..positions.len() as u32).collect();
+    let plane = Block { points, low: DVec2::NEG_INFINITY, high: DVec2::INFINITY };
+    let blocks = parted(plane, positions, most);
     let mut block_of = vec![0_u32; positions.len()];
     for (b, block) in blocks.iter().enumerate() {
-        order[block.points.clone()].iter().for_each(|&v| block_of[v as usize] = b as u32);
+        block.points.iter().for_each(|&v| block_of[v as usize] = b as u32);
     }
     let edges_of = Rows::new(blocks.len(), || {
         edges.iter().enumerate().flat_map(|(e, &[u, v])| {
@@ -46,10 +44,8 @@ pub(super) fn in_blocks(positions: &[DVec2], edges: &[[u32; 2]], most: usize) ->
         })
     });
     let each = parallel::map(blocks.len(), |b| {
-        let block = &blocks[b];
-        let own = &order[block.points.clone()];
         let edges = edges_of.of(b).iter().map(|&e| edges[e as usize]);
-        block.certain(own, edges, positions)
+        blocks[b].certain(edges, positions)
     });
     let mut faces: Vec<Face> = Vec::with_capacity(2 * positions.len());
     for certain in each {
@@ -61,46 +57,40 @@ pub(super) fn in_blocks(positions: &[DVec2], edges: &[[u32; 2]], most: usize) ->
     close(faces, positions, edges)
 }
 
-/// Points of a rectangle, which may reach to infinity.
+/// Points in a rectangle, which may reach to infinity.
 struct Block {
-    /// Their places in the order of all points.
-    points: Range<usize>,
+    /// Ascending.
+    points: Vec<u32>,
     low: DVec2,
     high: DVec2,
 }
 
-/// Halves points until no block has more than `most`. Appends the blocks.
-fn parted(
-    order: &mut [u32],
-    first: usize,
-    (low, high): (DVec2, DVec2),
-    (positions, most): (&[DVec2], usize),
-    blocks: &mut Vec<Block>,
-) {
-    let whole = Block { points: first..first + order.len(), low, high };
-    if order.len() <= most {
-        return blocks.push(whole);
+/// Halves a block until none has more than `most` points.
+fn parted(block: Block, positions: &[DVec2], most: usize) -> Vec<Block> {
+    let Block { points, low, high } = &block;
+    if points.len() <= most {
+        return vec![block];
     }
     let place = |v: &u32| positions[*v as usize];
     let extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    let (least, greatest) = order.iter().map(place).fold(extent, |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let (least, greatest) = points.iter().map(place).fold(extent, |(lo, hi), p| (lo.min(p), hi.max(p)));
     let size = greatest - least;
     let axis = usize::from(size.y > size.x);
-    let half = order.len() / 2;
-    let (_, middle, _) =
-        order.select_nth_unstable_by(half, |a, b| place(a)[axis].total_cmp(&place(b)[axis]).then(a.cmp(b)));
-    let cut = place(middle)[axis];
+    let mut along: Vec<f64> = points.iter().map(|v| place(v)[axis]).collect();
+    let half = along.len() / 2;
+    let cut = *along.select_nth_unstable_by(half, f64::total_cmp).1;
     // Points at the cut itself lie in the upper half.
-    let below = order.iter().filter(|v| place(v)[axis] < cut).count();
-    if below == 0 {
-        return blocks.push(whole);
+    let (below, above): (Vec<u32>, Vec<u32>) = points.iter().partition(|v| place(v)[axis] < cut);
+    if below.is_empty() {
+        return vec![block];
     }
-    order.sort_unstable_by_key(|v| (place(v)[axis] >= cut, *v));
-    let (mut below_high, mut above_low) = (high, low);
+    let (mut below_high, mut above_low) = (*high, *low);
     (below_high[axis], above_low[axis]) = (cut, cut);
-    let (lower, upper) = order.split_at_mut(below);
-    parted(lower, first, (low, below_high), (positions, most), blocks);
-    parted(upper, first + below, (above_low, high), (positions, most), blocks);
+    let lower = Block { points: below, low: *low, high: below_high };
+    let upper = Block { points: above, low: above_low, high: *high };
+    let (mut lower, upper) = rayon::join(|| parted(lower, positions, most), || parted(upper, positions, most));
+    lower.extend(upper);
+    lower
 }
 
 impl Block {
@@ -108,14 +98,9 @@ impl Block {
         least.cmple(self.high).all() && greatest.cmpge(self.low).all()
     }
 
-    /// The certain triangles. `own` are the block's points, `edges` all that may touch it.
-    fn certain(
-        &self,
-        own: &[u32],
-        edges: impl Iterator<Item = [u32; 2]> + Clone,
-        positions: &[DVec2],
-    ) -> Result<Vec<Face>> {
-        let mut vertices: Vec<u32> = own.iter().copied().chain(edges.clone().flatten()).collect();
+    /// The certain triangles. `edges` are all that may touch the block.
+    fn certain(&self, edges: impl Iterator<Item = [u32; 2]> + Clone, positions: &[DVec2]) -> Result<Vec<Face>> {
+        let mut vertices: Vec<u32> = self.points.iter().copied().chain(edges.clone().flatten()).collect();
         vertices.sort_unstable();
         vertices.dedup();
         if vertices.len() < 3 {
