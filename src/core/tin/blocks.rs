@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::build::{Face, faces_between};
+use super::faces::{Face, faces_between};
 use super::network::{CONSTRAINT, NONE};
 use crate::base::error::Result;
 use crate::base::parallel;

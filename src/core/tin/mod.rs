@@ -6,6 +6,7 @@
 
 mod blocks;
 mod build;
+mod faces;
 mod input;
 mod kinds;
 mod locate;

@@ -9,7 +9,8 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::build::{Face, faces};
+use super::build::faces;
+use super::faces::Face;
 use super::input::TinInput;
 use super::network::{CONSTRAINT, NONE, Tin, VertexKind};
 use crate::base::error::Result;

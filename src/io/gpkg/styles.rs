@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use rusqlite::{Connection, OptionalExtension, params};
 
-use super::write::LAST_CHANGE;
+use super::target::LAST_CHANGE;
 use crate::layer::{Geometry, Layer};
 
 /// The table as QGIS makes it.

@@ -16,6 +16,9 @@ const UNREADABLE: &str = "the GeoPackage cannot be read";
 /// The smallest id for systems without an EPSG code. Ids of EPSG systems are their codes, which are smaller.
 pub(super) const OWN_SRS_ID: i32 = 100_000;
 
+/// Written as the time of the last change.
+pub(super) const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
+
 /// A coordinate reference system as a GeoPackage stores it.
 pub(crate) struct SrsRow {
     pub(super) name: String,

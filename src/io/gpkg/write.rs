@@ -8,7 +8,7 @@ use rusqlite::{Connection, params, params_from_iter};
 
 use super::quoted::quoted;
 use super::styles;
-use super::target::{OWN_SRS_ID, SrsRow, srs_id_in};
+use super::target::{LAST_CHANGE, OWN_SRS_ID, SrsRow, srs_id_in};
 use super::wkb;
 use crate::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};
 use crate::maker::MADE_BY;
@@ -19,8 +19,6 @@ use tokosen_core::crs::Crs;
 const APPLICATION_ID: i32 = 0x4750_4B47;
 /// Version 1.3.0 of the format.
 const USER_VERSION: i32 = 10300;
-/// Written as the time of the last change.
-pub(super) const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
 /// The id of WGS 84, which every file has.
 const WGS84_SRS_ID: i32 = 4326;
 /// The id that the format reserves for plane coordinates of an unknown system.
