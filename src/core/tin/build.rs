@@ -220,7 +220,7 @@ mod tests {
         let mut input = TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0);
         input.push_line(&[DVec2::new(0.0, 0.0), DVec2::new(1.0, 1.0)], 1.0, VertexKind::Contour);
         assert!(triangulate(&input).unwrap_err().to_string().contains("no area"));
-        assert!(triangulate(&TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0)).is_err());
+        assert!(triangulate(TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0)).is_err());
     }
 
     #[test]

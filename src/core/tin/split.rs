@@ -88,23 +88,18 @@ impl Tin {
             own.into_iter().find(|&p| (0..3).any(|i| edge_of(parts[p as usize].0, i) == [u, v])).unwrap_or(NONE)
         };
         let neighbours_and_flags = parallel::values(parts.len(), |p| {
-            let (corners, constraints) = parts[p];
-            let parent = parents[p];
-            let (mut beyond, mut flags) = ([NONE; 3], 0);
-            for i in 0..3 {
+            let ((corners, constraints), parent) = (parts[p], parents[p]);
+            let mut flags = 0;
+            let beyond = [0, 1, 2].map(|i| {
                 let [u, v] = edge_of(corners, i);
-                match self.edge_under([u, v], parent, &on_edges) {
-                    Some(old) => {
-                        let n = self.neighbours[parent as usize][old];
-                        beyond[i] = if n == NONE { NONE } else { with_edge(n, [v, u]) };
-                        flags |= ((self.edges[parent as usize] >> old) & EDGE_FLAGS) << i;
-                    }
-                    None => {
-                        beyond[i] = with_edge(parent, [v, u]);
-                        flags |= if constraints >> i & 1 != 0 { CONSTRAINT << i } else { 0 };
-                    }
-                }
-            }
+                let Some(old) = self.edge_under([u, v], parent, &on_edges) else {
+                    flags |= if constraints >> i & 1 != 0 { CONSTRAINT << i } else { 0 };
+                    return with_edge(parent, [v, u]);
+                };
+                flags |= ((self.edges[parent as usize] >> old) & EDGE_FLAGS) << i;
+                let n = self.neighbours[parent as usize][old];
+                if n == NONE { NONE } else { with_edge(n, [v, u]) }
+            });
             (beyond, flags)
         });
         let of_parent = |values: &[bool]| parents.iter().map(|&t| values[t as usize]).collect();
