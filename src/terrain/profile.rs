@@ -6,7 +6,9 @@ use glam::DVec2;
 
 use super::compare::Side;
 use super::sample::Sample;
-use tokosen_core::base::error::{Error, Report, Result};
+#[cfg(feature = "io")]
+use tokosen_core::base::error::Report;
+use tokosen_core::base::error::{Error, Result};
 use tokosen_core::crs::{Crs, converted};
 use tokosen_core::dem::profile::{sections, stations};
 use tokosen_core::raster::GroundScale;
