@@ -1,6 +1,6 @@
 //! Charts of lines, such as profiles and storage curves, as PNG or SVG.
 //!
-//! A chart is laid out once, as [`shapes`]; both formats draw the same shapes. Letters of an SVG are text.
+//! A chart is laid out once, as shapes that both formats draw. Letters of an SVG are text.
 
 mod layout;
 mod png;
