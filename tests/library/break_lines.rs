@@ -181,7 +181,7 @@ fn a_spot_height_far_outside_its_contours_is_left_out_with_a_finding() {
     };
     let (_, findings) = built(map(), Vec::new(), SurfaceKind::Spline);
     assert_eq!(findings.len(), 1, "{findings:?}");
-    assert!(findings[0].kind == FindingKind::SpotOutsideBand && findings[0].message.contains("40 ± 1"));
+    assert!(findings[0].kind == FindingKind::SpotOutsideBand && findings[0].message.contains("40 m ± 1 m"));
     let (_, findings) = built(map(), Vec::new(), SurfaceKind::Skeleton);
     assert!(findings.len() == 1 && findings[0].message.contains("only the smooth surface"), "{findings:?}");
 }

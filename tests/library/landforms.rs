@@ -310,11 +310,11 @@ fn marks_that_contradict_the_contours_are_told() {
     let told = contradictions(crater(), &[(1, true), (2, false), (3, true)]);
     assert_eq!(told.len(), 2, "{told:?}");
     assert!(
-        told[0].contains("110 (feature 1) is marked") && told[0].ends_with("show higher ground inside"),
+        told[0].contains("110 m (feature 1) is marked") && told[0].ends_with("show higher ground inside"),
         "{told:?}"
     );
     assert!(
-        told[1].contains("110 (feature 2) is not marked") && told[1].ends_with("show lower ground inside"),
+        told[1].contains("110 m (feature 2) is not marked") && told[1].ends_with("show lower ground inside"),
         "{told:?}"
     );
 }

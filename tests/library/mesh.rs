@@ -227,7 +227,7 @@ fn every_format_gives_the_mesh_back() {
         assert!(read.normals.iter().zip(&wanted.normals).all(|(a, b)| a.distance(*b) < 1e-4), "{extension}");
     }
     let error = write_mesh(&folder.path().join("model.stl"), &wanted).unwrap_err().to_string();
-    assert!(error.contains("model.stl") && error.contains(".ply, .obj, .glb"), "{error}");
+    assert!(error.contains("model.stl") && error.contains("ply, obj, glb, xml, dxf"), "{error}");
     let error = write_mesh(&folder.path().join("none/model.ply"), &wanted).unwrap_err().to_string();
     assert!(error.contains("none/model.ply"), "{error}");
 }

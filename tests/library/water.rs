@@ -346,7 +346,7 @@ fn the_sea_is_level_up_to_the_frame_and_islands_rise() {
     let map = ContourMap { contours, ..ContourMap::default() };
     let params = SurfaceParams { water: Water { sea: Some(3.0), ..Water::default() }, ..SurfaceParams::default() };
     match build(map, &params, &()) {
-        Err(Error::Parameter(message)) => assert!(message.contains("are 0, 10, 20"), "{message}"),
+        Err(Error::Parameter(message)) => assert!(message.contains("are 0 m, 10 m, 20 m"), "{message}"),
         other => panic!("{other:?}"),
     }
 }
