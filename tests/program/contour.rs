@@ -294,7 +294,7 @@ fn what_is_said_about_heights_exactly_at_a_level_is_true() {
     let text = said("lake.tif", "--levels 50,104");
     assert!(text.contains("no line: none of its levels is between the lowest and the highest height, 100 m and 103 m"));
     let text = said("lake.tif", "--levels 328.0839895013123 --to-unit ft");
-    assert!(text.contains("the level 328.0839895013123 ft is the lowest height"), "{text}");
+    assert!(text.contains("the level 328.084 ft is the lowest height"), "{text}");
     let text = said("holes.tif", "-i 103");
     assert!(text.contains("no line"), "{text}");
     for quiet in ["top.tif", "lake.tif"] {

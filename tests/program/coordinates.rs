@@ -175,7 +175,7 @@ fn feet_on_the_map_and_in_the_heights() {
     folder.put("feet.gpkg", &feet);
     let said = folder.succeeds("densify feet.gpkg -i 5 -o out.gpkg --unit ft --dem dem.tif --cell 10");
     assert!(said.contains("working CRS NAD83 / UTM zone 11N (EPSG:26911)"), "{said}");
-    assert!(said.contains("vertical interval 12.192 m"), "{said}");
+    assert!(said.contains("vertical interval 40 ft"), "{said}");
     let out = folder.read("out.gpkg");
     assert_eq!(out.crs.as_ref().and_then(|crs| crs.epsg), Some(2229));
     assert!(all_bits(&feet).is_subset(&all_bits(&out)));

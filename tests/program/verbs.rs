@@ -222,7 +222,7 @@ fn elevations_that_are_none() {
         ("text.geojson", "feature 1: the field \"elev\" holds \"high\", which is not a number"),
         ("nan.geojson", "-a/--elevation-field"),
         ("infinite.geojson", "-a/--elevation-field"),
-        ("one.geojson", "one.geojson: there is one contour line only (elevation 10)"),
+        ("one.geojson", "one.geojson: there is one contour line only (elevation 10 m)"),
         ("flat.geojson", "flat.geojson: all 2 contour lines have the elevation 10"),
         ("unknown.geojson", "its fields are thing (such as 10), name (such as \"a\"); choose one with -a"),
     ] {
@@ -727,7 +727,7 @@ fn lakes_are_level_in_every_verb() {
     folder.put("told.geojson", lakes(&[(r#""name":"pond","elev":8.5"#, ring(10.0))]));
     folder.put("shore.geojson", lakes(&[(r#""name":"pond""#, ring(20.0))]));
     let (messages, _) = folder.succeeds("densify c.geojson -i 0.5 -o lines.geojson --water told.geojson");
-    assert!(messages.contains("water      1 areas, height 8.50 m"), "{messages}");
+    assert!(messages.contains("water      1 areas, height 8.5 m"), "{messages}");
     let in_lake = |p: &[f64; 3]| (p[0] - 1000.0).abs() < 9.999 && (p[1] - 2000.0).abs() < 9.999;
     let lines = folder.lines_of("lines.geojson");
     assert!(lines.iter().all(|(.., points)| !points.iter().any(in_lake)));
