@@ -79,8 +79,10 @@ pub fn run(args: &JoinArgs, console: &Console) -> Result<(), Failure> {
     if let Some(staged) = lines {
         staged.commit()?;
         console.say(&format!(
-            "seams      lines go on at {} places; largest distance between two ends there {:.3}",
-            joined.seams, joined.furthest
+            "seams      lines go on at {} places; largest distance between two ends there {:.3}{}",
+            joined.seams,
+            joined.furthest,
+            folder.manifest.working_crs().map_or("", |_| " m")
         ));
         for (k, layer) in joined.layers.iter().enumerate() {
             describe(written.get(k).or(written.first()), layer, &back, console);

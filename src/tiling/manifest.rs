@@ -166,6 +166,11 @@ struct Start {
 }
 
 impl Manifest {
+    /// The system of the working plane, in metres; `None` if the map has none.
+    pub fn working_crs(&self) -> Option<&Crs> {
+        self.shared.working_crs.as_ref()
+    }
+
     /// A manifest of this version of the program, without tasks.
     pub(super) fn new(input: String, shared: Shared, input_crs: Option<Crs>) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();

@@ -137,10 +137,12 @@ impl Heights {
             sigma: all.sigma - below.sigma,
             variance: all.variance - below.variance,
         };
-        let error = |of: Sums| VolumeError {
-            // The mean of n independent errors is smaller by the root of n. There is one at least.
-            likely: self.alike.map(|alike| (of.variance.max(0.0) * alike.min(of.area.max(0.0))).sqrt()),
-            most: of.sigma.max(0.0),
+        let error = |of: Sums| {
+            let most = of.sigma.max(0.0);
+            // The mean of n independent errors is smaller by the root of n. There is one at least. Where large errors lie in
+            // one place, the mean error of the whole area would be too many, but no error is larger than all in one direction.
+            let of_means = |alike: f64| (of.variance.max(0.0) * alike.min(of.area.max(0.0))).sqrt();
+            VolumeError { likely: self.alike.map(|alike| of_means(alike).min(most)), most }
         };
         let errors = all.sigma.is_finite().then(|| [error(above), error(below), error(all)]);
         Volume {
@@ -225,5 +227,9 @@ mod tests {
         assert_eq!((cut, fill.most), (net, 0.0));
         let unknown = Heights::of(&level, Some(&sigma), None).unwrap().at(0.0).errors.unwrap();
         assert_eq!(unknown[2].likely, None);
+        // All of the error lies in a hundredth of the area, and errors are alike over a quarter of it.
+        let in_one_place: Vec<f32> = (0..160_000).map(|k| if k < 1600 { 5.0 } else { 0.0 }).collect();
+        let placed = Heights::of(&level, Some(&in_one_place), Some(200.0)).unwrap().at(0.0).errors.unwrap();
+        assert_eq!((placed[2].likely, placed[2].most), (Some(8_000.0), 8_000.0));
     }
 }
