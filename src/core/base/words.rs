@@ -161,7 +161,11 @@ fn rough(value: f64) -> String {
 
 /// A number with three significant digits, and with all of those before the point.
 fn three_digits(value: f64) -> String {
-    let decimals = if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize };
+    // An empty sum is -0.
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.decimals$}")
 }
 
@@ -188,7 +192,7 @@ mod tests {
     #[test]
     fn lengths_and_areas_have_three_digits() {
         assert_eq!([12.345, 461_482.0, 0.0].map(|l| Units::METRES.length(l)), ["12.3 m", "461 km", "0 m"]);
-        assert_eq!([12.345, 2.5e6].map(|a| Units::METRES.area(a)), ["12.3 m²", "2.50 km²"]);
+        assert_eq!([12.345, 2.5e6, -0.0].map(|a| Units::METRES.area(a)), ["12.3 m²", "2.50 km²", "0 m²"]);
         assert_eq!([FEET.length(304.8), FEET.area(9.290_304)], ["1000 ft", "100 ft²"]);
         assert_eq!([UNKNOWN.length(3.0), UNKNOWN.area(3.0)], ["3.00 map units", "3.00 square map units"]);
     }
