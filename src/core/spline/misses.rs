@@ -8,6 +8,7 @@ use glam::DVec2;
 use super::conditions::Conditions;
 use super::working_grid::WorkingGrid;
 use crate::base::parallel;
+use crate::geometry::{Segment, point_distance};
 use crate::tin::{NONE, Tin};
 
 /// Distances between contours, in steps between nodes, up to which misses count in full, and from which they do not count. Where
@@ -37,7 +38,7 @@ impl<'a> Misses<'a> {
     /// What is missed at a place in triangle `t`, relative to the origin of the triangulation, metres.
     pub fn at(&self, t: u32, place: DVec2) -> f32 {
         let missed = self.tin.triangles[t as usize].map(|v| self.at_vertices[v as usize]);
-        let share = if missed == [0.0; 3] { 0.0 } else { self.share(t) };
+        let share = if missed == [0.0; 3] { 0.0 } else { self.share(t).min(self.share_beside(t, place, missed)) };
         if share == 0.0 {
             return 0.0;
         }
@@ -51,9 +52,23 @@ impl<'a> Misses<'a> {
     fn share(&self, t: u32) -> f32 {
         let heights = self.tin.corner_heights(t);
         let across = (0..3).filter(|&i| heights[i] != heights[(i + 1) % 3]).map(|i| self.tin.edge_length(t, i));
-        let steps = across.fold(f64::INFINITY, f64::min) / self.step;
+        self.share_within(across.fold(f64::INFINITY, f64::min))
+    }
+
+    /// How far they count at a place in triangle `t`, 0 to 1. It depends on the way to the contours of the triangle: long
+    /// triangles reach far from them, such as those across lakes.
+    fn share_beside(&self, t: u32, place: DVec2, missed: [f32; 3]) -> f32 {
+        let corners = self.tin.corners(t);
+        let contours = (0..3).filter(|&i| self.tin.contour_level(t, i).is_some());
+        let to_contour = contours.map(|i| point_distance(place, &Segment { a: corners[i], b: corners[(i + 1) % 3] }));
+        let vertices = corners.into_iter().zip(missed).filter(|(_, missed)| *missed != 0.0);
+        let to_vertex = vertices.map(|(corner, _)| corner.distance(place));
+        self.share_within(to_contour.chain(to_vertex).fold(f64::INFINITY, f64::min))
+    }
+
+    fn share_within(&self, distance: f64) -> f32 {
         let [full, none] = REACH;
-        ((none - steps) / (none - full)).clamp(0.0, 1.0) as f32
+        ((none - distance / self.step) / (none - full)).clamp(0.0, 1.0) as f32
     }
 }
 

@@ -20,12 +20,14 @@
 //! and valleys get their curvature gain (`curvature_gain`), dense contours are met (`misses`), streams get its heights
 //! and fall, and pits are breached (`pits`).
 
+mod at_contour;
 mod blur;
 mod cliffs;
 mod conditions;
 mod curvature_gain;
 mod density;
 mod energy;
+mod far;
 mod fold;
 mod grid;
 mod inside;

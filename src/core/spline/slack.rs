@@ -3,8 +3,8 @@
 
 use std::borrow::Cow;
 
+use super::at_contour::is_at_contour;
 use super::blur::{PASSES, blurred};
-use super::wide::is_at_contour;
 use crate::base::parallel;
 
 /// Lowers the lower bound and raises the upper one by `slack` at contours, and by less up to twice `reach` nodes away.

@@ -13,7 +13,7 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, misses, residual, soft_spots, spots};
+use super::{curvature_gain, far, misses, residual, soft_spots, spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, Sure, parallel};
 use crate::streams::{Stream, follow};
@@ -32,10 +32,11 @@ pub fn spline(
     let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, hollows, .. } = conditions;
     let interval = *interval;
     let lattice = Lattice::of_grid(grid);
-    let slack = if hyper_parameters.noise > 0.0 { (tuning.noise_slack * interval) as f32 } else { 0.0 };
+    let slack = (tuning.noise_slack * interval * hyper_parameters.noise.min(1.0)) as f32;
     let slack_reach = (tuning.noise_slack_reach * *spacing / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
     let contour_density = contour_density(reference, grid, *spacing, interval, tuning.density_rounds);
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
+    let averaged = far::averaged(reference, lo, grid.cols, &wide.share);
     let mut tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
     // Whether cliffs free a node from the reference surface and from the middle of its band.
     let free = &conditions.beside_cliffs;
@@ -49,7 +50,7 @@ pub fn spline(
         known: &conditions.known,
         crease_threshold: hyper_parameters.crease_threshold,
         bounds: with_slack([lo, hi], slack, slack_reach, grid.cols),
-        reference,
+        reference: &averaged,
         tension,
         wide: wide.share,
         contour_weight: contour_weight(hyper_parameters.noise, grid, *spacing, tuning),

@@ -21,20 +21,22 @@ tuned! {
         ///
         /// Refit: RMSE, on small maps.
         min_chords: usize = 200,
-        /// Contours with a smaller exponent are noisy. A spline is the best guess for lines whose exponent is 3/2
-        /// (integrated random walks).
-        ///
-        /// Tried 0.75 and 3: the RMSE of four maps (in brackets the share of errors within one standard error) changes
-        /// by -4.50 % and +6.62 % (+1.3 and -2.0 points).
+        /// Contours with the first exponent, or a smaller one, are noisy; those with the second, or a larger one, are not;
+        /// between them, their noise falls evenly. A spline is the best guess for lines whose exponent is 3/2 (integrated random
+        /// walks).
         ///
         /// Refit: RMSE, on contours of unsmoothed lidar and on smooth ones.
-        noisy_below: f64 = 1.5,
+        noisy_exponents: [f64; 2] = [1.3, 1.5],
         /// The exponent of contours that are too few to estimate it.
         ///
         /// Tried 0.75 and 3: no effect on the RMSE or the shares of two maps.
         ///
         /// Refit: shares, on small maps.
-        usual_exponent: f64 = 1.5,
+        usual_exponent: f64 = 1.4,
+        /// By how much the power with which the error grows with the contour interval exceeds the exponent of the contours.
+        ///
+        /// Refit: RMSE and shares.
+        power_excess: f64 = 0.15,
         /// Limits of the power with which the error grows with the contour interval.
         ///
         /// Tried one by one: the RMSE of two to four maps (in brackets the share of errors within one standard error)
@@ -47,9 +49,15 @@ tuned! {
 }
 
 impl RoughnessTuning {
-    /// The power with which the error grows with the contour interval. It is the exponent of the contours, if known.
+    /// How noisy contours are, from 0 to 1.
+    pub fn noisy_share(&self, exponent: Option<f64>) -> f64 {
+        let [noisy, smooth] = self.noisy_exponents;
+        ((smooth - exponent.unwrap_or(self.usual_exponent)) / (smooth - noisy)).clamp(0.0, 1.0)
+    }
+
+    /// The power with which the error grows with the contour interval. 
     pub fn power(&self, exponent: Option<f64>) -> f64 {
         let [least, most] = self.exponent_limits;
-        exponent.unwrap_or(self.usual_exponent).clamp(least, most)
+        (exponent.unwrap_or(self.usual_exponent) + self.power_excess).clamp(least, most)
     }
 }

@@ -87,7 +87,7 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     let SplineParams { tension, noise, .. } = *given;
     let (roughness, tuning) = (&params.tuning.roughness, &params.tuning.trials);
     let exponent = hurst_exponent(extent, roughness);
-    let noise = noise.unwrap_or(if exponent.is_some_and(|g| g < roughness.noisy_below) { tuning.noise } else { 0.0 });
+    let noise = noise.unwrap_or_else(|| tuning.noise * roughness.noisy_share(exponent));
     let usual_threshold = tuning.usual_crease_threshold;
     let hyper_parameters = |tension: f64| HyperParameters {
         tension,

@@ -5,6 +5,9 @@
 //! best guess for lines with the exponent 3/2 (integrated random walks). Rougher lines are better smoothed than
 //! followed.
 //!
+//! The offsets of one length are summed up by their root mean square. A median would not do: of lines with few vertices,
+//! half of the chords lie on straight pieces, and their offsets are 0.
+//!
 //! The half-lengths of the chords are a quarter and a half of the mean spacing. The surface between contours can
 //! show detail of this size. Where contours are too few, chords are half as long. Single vertices far off a line are
 //! digitising errors and are left out. The long ways there and back would make a smooth line rough.
@@ -28,7 +31,7 @@ pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Optio
 fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Option<f64> {
     let RoughnessTuning { chords, min_chords, usual_exponent, .. } = *tuning;
     let offsets = |of_chords: f64| {
-        let [near, far] = chords.map(|share| median_offset(lines, share * of_chords * spacing, min_chords));
+        let [near, far] = chords.map(|share| mean_offset(lines, share * of_chords * spacing, min_chords));
         Some([near?, far?])
     };
     let exponent = |[near, far]: [f64; 2]| {
@@ -41,15 +44,15 @@ fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Optio
     offsets(1.0).map_or_else(of_shorter, exponent)
 }
 
-/// Median offset of the middle of chords; `None` if there are fewer than `fewest`.
-fn median_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
+/// Root mean square offset of the middle of chords; `None` if there are fewer than `fewest`.
+fn mean_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
     let length = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
     let all: f64 = lines.iter().map(|line| length(line)).sum::<f64>() / reach;
     if !all.is_finite() {
         return None;
     }
     let every = (all / MOST).ceil().max(1.0) as usize;
-    let mut offsets = Vec::new();
+    let (mut sum, mut count) = (0.0, 0);
     for line in lines.iter().step_by(every) {
         // Short lines are one bend only.
         if length(line) < 4.0 * reach {
@@ -57,17 +60,14 @@ fn median_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
         }
         let mut last = [None, None];
         for_each_step(line, reach, MOST as usize, |p| {
-            if let [Some(a), Some(b)] = last {
-                offsets.push(DVec2::distance(b, (a + p) / 2.0));
+            if let [Some(a), Some::<DVec2>(b)] = last {
+                sum += b.distance_squared((a + p) / 2.0);
+                count += 1;
             }
             last = [last[1], Some(p)];
         });
     }
-    if offsets.len() < fewest {
-        return None;
-    }
-    let middle = offsets.len() / 2;
-    Some(*offsets.select_nth_unstable_by(middle, f64::total_cmp).1)
+    (count >= fewest).then(|| (sum / count as f64).sqrt())
 }
 
 /// Calls `each` with places along a line that are `step` apart, at most `most` times.
