@@ -32,7 +32,8 @@ fn average(heights: &[f32], is_crossed: &[bool], cols: usize) -> Vec<f32> {
     if free.iter().all(|free| *free == 0.0) {
         return heights.to_vec();
     }
-    let means = parallel::cells(coarse_cols, coarse_rows, |i, j| nodes(i, j).iter().map(|&n| heights[n]).sum::<f32>() / 4.0);
+    let means =
+        parallel::cells(coarse_cols, coarse_rows, |i, j| nodes(i, j).iter().map(|&n| heights[n]).sum::<f32>() / 4.0);
     let means = average(&means, &crossed, coarse_cols);
     parallel::cells(cols, rows, |i, j| {
         let own = heights[j * cols + i];
@@ -70,7 +71,8 @@ mod tests {
         let bent: Vec<f32> = (0..cols * rows).map(|n| (n / cols).abs_diff(40) as f32).collect();
         let found = averaged(&bent, &floor, cols, &all);
         let at = |i: usize, j: usize| found[j * cols + i];
-        let bend = |i: usize| (39..42).map(|j| (at(i, j + 1) - 2.0 * at(i, j) + at(i, j - 1)).abs()).fold(0.0, f32::max);
+        let bend =
+            |i: usize| (39..42).map(|j| (at(i, j + 1) - 2.0 * at(i, j) + at(i, j - 1)).abs()).fold(0.0, f32::max);
         assert!(bend(50) < 0.3, "{}", bend(50));
         assert_eq!(bend(8), 2.0);
         assert_eq!(averaged(&bent, &floor, cols, &vec![0.0; cols * rows]), bent);

@@ -117,4 +117,26 @@ mod tests {
         let sparse = missed([0.0, 10.0, 20.0].into_iter(), &[1.0, 5.0, 13.0]);
         assert_eq!(sparse, [0.0; 3]);
     }
+
+    #[test]
+    fn nothing_is_missed_in_the_middle_of_long_triangles() {
+        // Two shores, and a place beside one of them that lies lower.
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::new(100.0, 8.0)], 0.0);
+        for x in [0.0, 100.0] {
+            let line: Vec<DVec2> = (0..=4).map(|k| DVec2::new(x, 2.0 * f64::from(k))).collect();
+            input.push_line(&line, 60.0, VertexKind::Contour);
+        }
+        input.push(DVec2::new(0.5, 5.0), 52.0, VertexKind::Axis);
+        let tin = triangulate(input).unwrap();
+        let levels: Vec<f32> = tin.heights.iter().map(|z| if *z == 60.0 { 60.0 } else { f32::NAN }).collect();
+        let misses = Misses::new(&tin, &levels, 1.0, |_| 55.0);
+        let at = |x: f64, y: f64| {
+            let place = DVec2::new(x, y) - tin.origin;
+            misses.at(tin.locate(0, place).unwrap(), place)
+        };
+        assert!(at(0.3, 5.0) > 1.0, "{}", at(0.3, 5.0));
+        for y in [1.0, 4.9, 5.1, 7.0] {
+            assert!([3.0, 20.0, 50.0, 80.0, 97.0].iter().all(|&x| at(x, y) == 0.0), "{y}");
+        }
+    }
 }

@@ -23,7 +23,7 @@ pub struct SplineParams {
     /// lines. `None`: chosen from the data.
     pub tension: Option<f64>,
     /// Noise of the contours: 0 for smooth contours, 1 for those of unsmoothed lidar. Noisy contours are first given a
-    /// low weight. Then the surface is moved to meet them. `None`: 0 or 1, depending on the contours.
+    /// low weight. Then the surface is moved to meet them. `None`: 0 to 1, depending on the contours.
     pub noise: Option<f64>,
 }
 

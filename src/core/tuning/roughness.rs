@@ -55,7 +55,7 @@ impl RoughnessTuning {
         ((smooth - exponent.unwrap_or(self.usual_exponent)) / (smooth - noisy)).clamp(0.0, 1.0)
     }
 
-    /// The power with which the error grows with the contour interval. 
+    /// The power with which the error grows with the contour interval.
     pub fn power(&self, exponent: Option<f64>) -> f64 {
         let [least, most] = self.exponent_limits;
         (exponent.unwrap_or(self.usual_exponent) + self.power_excess).clamp(least, most)

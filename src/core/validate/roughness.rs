@@ -22,7 +22,10 @@ use crate::tuning::RoughnessTuning;
 /// About the largest number of chords of one length. It limits time: of more contours, only some are used.
 const MOST: f64 = 1e6;
 
-/// The Hurst-like exponent of the contours, about 0 to 2. `None` if there are too few chords.
+/// Offsets from chords of length 1 that are rounding alone.
+const STRAIGHT: f64 = 1e-6;
+
+/// The Hurst-like exponent of the contours, about 0 to 2. `None` if there are too few chords, or if all are straight.
 pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Option<f64> {
     let lines: Vec<Vec<DVec2>> = parallel::map_each(&extent.map.contours, |c| without_outlying(&c.points));
     exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), extent.spacing, tuning)
@@ -44,7 +47,7 @@ fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Optio
     offsets(1.0).map_or_else(of_shorter, exponent)
 }
 
-/// Root mean square offset of the middle of chords; `None` if there are fewer than `fewest`.
+/// Root mean square offset of the middle of chords; `None` if there are fewer than `fewest`, or if all are straight.
 fn mean_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
     let length = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
     let all: f64 = lines.iter().map(|line| length(line)).sum::<f64>() / reach;
@@ -67,7 +70,8 @@ fn mean_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
             last = [last[1], Some(p)];
         });
     }
-    (count >= fewest).then(|| (sum / count as f64).sqrt())
+    let mean = (sum / count as f64).sqrt();
+    (count >= fewest && mean > STRAIGHT * reach).then_some(mean)
 }
 
 /// Calls `each` with places along a line that are `step` apart, at most `most` times.

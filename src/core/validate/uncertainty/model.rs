@@ -231,6 +231,7 @@ fn quantile(residuals: &mut [Residual], weight: impl Fn(&Residual) -> f64, share
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tuning::RoughnessTuning;
 
     fn learn(residuals: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64) -> ErrorModel {
         ErrorModel::learn(residuals, exponent, interval, spacing, &Tuning::default())
@@ -255,7 +256,8 @@ mod tests {
             let model = learn(&places(1.0, 100.0), Some(exponent), 10.0, 50.0);
             assert_eq!(model.provenance, Provenance::Hidden { places: 1000 });
             let halfway = model.error(&between(25.0, 25.0), 1.0);
-            let expected = 0.68 * ErrorTuning::default().hidden_to_all_triangles * 0.5f64.powf(exponent);
+            let power = RoughnessTuning::default().power(Some(exponent));
+            let expected = 0.68 * ErrorTuning::default().hidden_to_all_triangles * 0.5f64.powf(power);
             assert!((halfway / expected - 1.0).abs() < 0.02, "{exponent}: {halfway} {expected}");
         }
     }
