@@ -15,6 +15,7 @@ use super::failure::Failure;
 use super::features::{MapFeatureArgs, paths};
 use super::source::source;
 use super::unit::UnitArg;
+use super::viewer::title;
 use super::{memory, plane};
 
 #[derive(Debug, Clone, Args)]
@@ -157,6 +158,11 @@ impl MapArgs {
     pub fn name(&self) -> String {
         let names: Vec<String> = self.contours.iter().map(|source| source.path.display().to_string()).collect();
         names.join(", ")
+    }
+
+    /// What a page of the input is called.
+    pub fn title(&self) -> String {
+        title(&self.contours.iter().map(|source| source.path.as_path()).collect::<Vec<_>>())
     }
 
     /// How the lines are prepared.

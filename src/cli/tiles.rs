@@ -65,7 +65,7 @@ pub fn open(output: &Path) -> Result<StagedOutput, Error> {
 pub fn write(
     staged: &StagedOutput,
     output: &Path,
-    levels: &LevelsArgs,
+    (levels, attribution): (&LevelsArgs, Option<&str>),
     (target, layer): (&Target, &ContourLayer),
     reprojection: &Reprojection,
     console: &Console,
@@ -75,7 +75,7 @@ pub fn write(
     }
     let back = reprojection.from_working(Some(&Crs::from_epsg(WEB_MERCATOR)))?.with_heights_in(levels.to_unit.unit());
     let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.index);
-    let tiles = ContourTiles { layer, target, index_every, zooms, back: &back };
+    let tiles = ContourTiles { layer, target, index_every, zooms, back: &back, attribution };
     Ok(Some(write_contour_tiles(staged, output, &tiles, console)?))
 }
 
