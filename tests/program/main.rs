@@ -41,5 +41,6 @@ mod streams;
 mod tiles;
 mod units;
 mod verbs;
+mod viewer;
 mod when_a_map_looks_wrong;
 mod words;
