@@ -65,6 +65,8 @@ def served(folder, has_ranges=True):
     """The address of a server for a folder."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
     server.has_ranges = has_ranges
+    # A page that has seen enough of a file closes the connection.
+    server.handle_error = lambda *_: None
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
         yield f"http://127.0.0.1:{server.server_port}/"
@@ -215,13 +217,13 @@ def run(args, browser, root, checks):
 
     both = root / "both"
     both.mkdir()
-    tokosen("densify", args.contours, "-i", 10, "-o", both / "contours.pmtiles", "--dem", both / "terrain.pmtiles", "--max-zoom", high,
-            "--viewer", both / "index.html", "--attribution", "Survey & Sons " + EVIL)
+    tokosen("densify", args.contours, "-i", 10, "-o", both / "contours.pmtiles", "--attribution", "Survey & Sons " + EVIL)
+    tokosen("dem", args.contours, "--max-zoom", high, "-o", both / "terrain.pmtiles", "--viewer", both / "index.html")
     with served(both) as address:
         with checks.page(browser, address, "both") as page:
             look(checks, page, "both", zooms)
             text = page.inner_text("body")
-            checks.expect("Source: Survey & Sons" in text and "<img" not in text, "both: the source is shown as a text")
+            checks.expect("Source: Survey & Sons" in text and "harmed" not in text, "both: the source is shown as a text")
             checks.expect(page.evaluate("window.harmed === undefined"), "both: HTML in the source does nothing")
             page.mouse.move(500, 350)
             page.wait_for_function("() => /Height \\d/.test(document.querySelector('.height').value)")

@@ -51,7 +51,7 @@ pub struct ContourArgs {
     /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
     crs: Option<Crs>,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several intervals, a GeoPackage gets one layer
     /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,

@@ -47,7 +47,7 @@ use super::viewer::ViewerArgs;
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several intervals, a GeoPackage gets one layer
     /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,

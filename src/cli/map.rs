@@ -22,7 +22,7 @@ use super::{memory, plane};
 #[command(next_help_heading = "Input")]
 pub struct MapArgs {
     /// Contour lines: GeoJSON (.geojson, .json, .geojsonl, .geojsons), GeoPackage (.gpkg), shapefile (.shp, also in a
-    /// .zip), FlatGeobuf (.fgb), DXF (.dxf), KML (.kml, .kmz), GML (.gml), well-known text (.csv, .tsv), or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
+    /// .zip), FlatGeobuf (.fgb), GeoParquet (.parquet), DXF (.dxf), KML (.kml, .kmz), GML (.gml), well-known text (.csv, .tsv), or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
     /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours'
     #[arg(required = true, value_name = "CONTOURS", value_parser = source())]
     pub contours: Vec<VectorSource>,

@@ -14,7 +14,7 @@ use super::failure::Failure;
 use super::levels::LevelsArgs;
 
 /// The kinds of files for contours, for messages.
-const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
+const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
                      FOLDER/{z}/{x}/{y}.pbf";
 
 /// Refuses a file that contours are not written to, and options that do not apply to it.

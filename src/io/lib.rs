@@ -1,5 +1,5 @@
-//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, DXF and shapefile. The file's extension selects the
-//! format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
+//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, GeoParquet, DXF and shapefile. The file's extension
+//! selects the format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
 //! only.
 //!
 //! Reading: file → table of features → elevations. Each format has a file that fills the table. One place decides which
@@ -22,6 +22,7 @@ mod elevation_names;
 mod flatgeobuf;
 mod format;
 mod geojson;
+mod geoparquet;
 mod gml;
 mod gpkg;
 pub mod gsi;
@@ -231,6 +232,7 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         InputFormat::Written(VectorFormat::GeoJson) => geojson::read(path, &request),
         InputFormat::Written(VectorFormat::GeoPackage) => gpkg::read(path, &request),
         InputFormat::Written(VectorFormat::FlatGeobuf) => flatgeobuf::read(path, &request),
+        InputFormat::Written(VectorFormat::GeoParquet) => geoparquet::read(path, &request),
         InputFormat::Written(VectorFormat::Dxf) => dxf::read(path, &request),
         InputFormat::Written(VectorFormat::Shapefile) => shapefile::read(path, &request),
         InputFormat::GeoJsonSequence => geojson::read_sequence(path, &request),
@@ -295,7 +297,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     let format = VectorFormat::from_path(out.target())?;
     let is_plain = matches!(format, VectorFormat::FlatGeobuf | VectorFormat::Shapefile);
     if is_plain && layers.iter().any(|layer| layer.geometry == layer::Geometry::Points) {
-        return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+        return Err(Error::file(out.target(), "points are written as .gpkg, .geojson or .parquet"));
     }
     if format == VectorFormat::GeoPackage {
         let target = if gpkg::is_there(out.target())? { Some(out.target()) } else { None };
@@ -307,7 +309,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
             layer.geometry == layer::Geometry::Points && layer.columns.iter().all(|column| column.name != "text")
         };
         if layers.iter().any(is_bare) {
-            return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+            return Err(Error::file(out.target(), "points are written as .gpkg, .geojson or .parquet"));
         }
         // Points are texts beside the lines of the layer before.
         for (group, file) in layers.chunk_by(|_, next| next.geometry == layer::Geometry::Points).zip(&files) {
@@ -322,6 +324,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
             VectorFormat::GeoJson => geojson::write(&path, layer, crs),
             VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs, None),
             VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
+            VectorFormat::GeoParquet => geoparquet::write(&path, layer, crs),
             VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer), crs),
             VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
         };
@@ -368,7 +371,7 @@ pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
     match VectorFormat::from_path(target)? {
         VectorFormat::GeoPackage => return Ok(vec![target.to_owned()]),
         VectorFormat::Dxf => layers.retain(|name| !name.starts_with(layer::LABELS_LAYER)),
-        VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::Shapefile => {}
+        VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::GeoParquet | VectorFormat::Shapefile => {}
     }
     Ok(layers.iter().map(|name| target.with_file_name(layer::file_name(target, name, layers.len()))).collect())
 }

@@ -120,7 +120,7 @@ fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
         files = further;
     }
     if files.is_empty() {
-        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb, .dxf, .kml or .gml, and nothing of 基盤地図情報 (.xml, .zip)";
+        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml or .gml, and nothing of 基盤地図情報 (.xml, .zip)";
         return Err(Error::file(folder, message));
     }
     files.sort();

@@ -11,6 +11,7 @@ mod local;
 mod named;
 mod parts;
 mod proj_string;
+mod projjson;
 mod reprojection;
 mod system;
 mod transform;

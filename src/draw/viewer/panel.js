@@ -130,7 +130,11 @@ function makePanel(map, sets, title) {
 // The sources that the sets name, each once. Metadata may hold HTML; only its text is shown.
 function sources(sets) {
   const texts = sets.map((set) => set.about.attribution).filter((text) => typeof text === "string");
-  const plain = texts.map((text) => new DOMParser().parseFromString(text, "text/html").body.textContent.trim());
+  const plain = texts.map((text) => {
+    const parsed = new DOMParser().parseFromString(text, "text/html");
+    parsed.querySelectorAll("script, style").forEach((part) => part.remove());
+    return parsed.body.textContent.trim();
+  });
   const named = [...new Set(plain.filter(Boolean))].map((text) => element("span", {}, WORDS.source + text).innerHTML);
   return [...named, "MapLibre"];
 }
