@@ -19,6 +19,7 @@ mod depression;
 mod dxf;
 mod elevation;
 mod elevation_names;
+mod file_box;
 mod flatgeobuf;
 mod format;
 mod geojson;
@@ -67,6 +68,7 @@ use tokosen_core::subdomains::{Landform, Regions};
 use tokosen_core::tin::Tin;
 
 pub use content::{Content, content};
+pub use file_box::FileBox;
 pub use format::VectorFormat;
 pub use in_memory::{Attribute, InMemory, MemoryLayer};
 pub use maker::SAVED_RUN;
@@ -85,6 +87,9 @@ pub struct ReadOptions {
     /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas. For a GML:
     /// the type of the features. For zipped shapefiles: the name of one.
     pub layer: Option<String>,
+    /// The box that features must meet, in the coordinates of the file. Of a GeoParquet, only the groups of rows are read that
+    /// may meet it. No features are left out if `None`.
+    pub within: Option<FileBox>,
     /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
     /// Features in memory, which are read instead of the file. The path is then their name in messages.
@@ -195,10 +200,23 @@ pub fn read_features(role: Role, path: &Path, options: &ReadOptions) -> Result<R
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
+    let mut table = read_whole_table(path, options, purpose)?;
+    if let Some(within) = options.within {
+        table.features.retain(|feature| within.meets(feature.sides()));
+        if table.features.is_empty() {
+            let message = "no feature meets the box after |bbox=, which has the coordinates of the file";
+            return Err(Error::file(path, message));
+        }
+    }
+    Ok(table)
+}
+
+fn read_whole_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
     let request = Request {
         elevation_field: options.elevation_field.as_deref(),
         layer: options.layer.as_deref(),
         purpose,
+        within: options.within,
         memory: options.memory,
     };
     if let Some(features) = &options.features {

@@ -62,7 +62,10 @@ fn wrong_usage_is_refused_before_the_work() {
         ("dem in.gpkg --cell 10 -o a.tif --attribution me", "--attribution applies to map tiles"),
         ("densify in.gpkg -i 5 -o a.mbtiles --viewer index.html", "a page cannot read a.mbtiles"),
         ("densify in.gpkg -i 5 -o map/a.pmtiles --viewer index.html", "in the folder of the tiles: map/index.html"),
-        ("densify in.gpkg -i 5 -o map/{z}/{x}/{y}.pbf --viewer map/index.html", "in the folder of the tiles: index.html"),
+        (
+            "densify in.gpkg -i 5 -o map/{z}/{x}/{y}.pbf --viewer map/index.html",
+            "in the folder of the tiles: index.html",
+        ),
         ("densify in.gpkg -i 5 -o a.pmtiles --viewer index.png", ".html"),
     ] {
         assert!(folder.ends(line, USAGE).contains(expected), "{line}");

@@ -69,8 +69,7 @@ const METHODS: &[Method] = &[
 ];
 
 /// Web Mercator is written in WKT 1 as a Mercator of an ellipsoid, with an extension.
-const WEB_MERCATOR: Method =
-    (&[], "Popular Visualisation Pseudo Mercator", 1024, &[LATITUDE, LONGITUDE, EAST, NORTH]);
+const WEB_MERCATOR: Method = (&[], "Popular Visualisation Pseudo Mercator", 1024, &[LATITUDE, LONGITUDE, EAST, NORTH]);
 
 impl Crs {
     /// The system as PROJJSON. `None` if it has no WKT 1, or is of a kind or a projection that is not known here.
@@ -161,13 +160,8 @@ fn geographic(node: &Node) -> Option<Map<String, Value>> {
         frame["prime_meridian"] = json!({ "name": node.name()?, "longitude": degrees });
     }
     let unit = angle_unit(node);
-    let axis = |name: &str, abbreviation: &str, direction: &str| {
-        json!({ "name": name, "abbreviation": abbreviation, "direction": direction, "unit": unit })
-    };
-    let axes = json!([
-        axis("Geodetic latitude", "Lat", "north"),
-        axis("Geodetic longitude", "Lon", "east"),
-    ]);
+    let axis = |name: &str, abbreviation: &str, direction: &str| json!({ "name": name, "abbreviation": abbreviation, "direction": direction, "unit": unit });
+    let axes = json!([axis("Geodetic latitude", "Lat", "north"), axis("Geodetic longitude", "Lon", "east"),]);
     let mut made = Map::new();
     made.insert("type".into(), "GeographicCRS".into());
     made.insert("name".into(), node.name()?.into());
@@ -217,9 +211,7 @@ fn projected(node: &Node, order: Axes) -> Option<Map<String, Value>> {
         parameters
             .push(json!({ "name": name, "value": value, "unit": unit, "id": { "authority": "EPSG", "code": code } }));
     }
-    let axis = |name: &str, abbreviation: &str, direction: &str| {
-        json!({ "name": name, "abbreviation": abbreviation, "direction": direction, "unit": length })
-    };
+    let axis = |name: &str, abbreviation: &str, direction: &str| json!({ "name": name, "abbreviation": abbreviation, "direction": direction, "unit": length });
     let axes = match (*code, order) {
         (9808, _) => [axis("Westing", "Y", "west"), axis("Southing", "X", "south")],
         (_, Axes::EastNorth) => [axis("Easting", "E", "east"), axis("Northing", "N", "north")],
@@ -297,7 +289,10 @@ mod tests {
     fn names_are_read() {
         let code = |value: Value| Crs::from_projjson(&value).and_then(|crs| crs.epsg);
         assert_eq!(code(json!({ "id": { "authority": "OGC", "code": "CRS84" } })), Some(4326));
-        assert_eq!(code(json!({ "type": "BoundCRS", "source_crs": { "id": { "authority": "EPSG", "code": 6677 } } })), Some(6677));
+        assert_eq!(
+            code(json!({ "type": "BoundCRS", "source_crs": { "id": { "authority": "EPSG", "code": 6677 } } })),
+            Some(6677)
+        );
         assert_eq!(code(json!({ "name": "nowhere" })), None);
         assert_eq!(code(json!(7)), None);
     }

@@ -28,7 +28,8 @@ pub(super) fn values(reader: ColumnReader, about: &ColumnDescriptor, rows: usize
         kind,
         ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32 | ConvertedType::UINT_64
     );
-    let is_decimal = kind == ConvertedType::DECIMAL || matches!(about.logical_type_ref(), Some(LogicalType::Decimal(_)));
+    let is_decimal =
+        kind == ConvertedType::DECIMAL || matches!(about.logical_type_ref(), Some(LogicalType::Decimal(_)));
     let is_time = matches!(
         kind,
         ConvertedType::DATE

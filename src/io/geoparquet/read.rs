@@ -5,7 +5,9 @@ use std::path::Path;
 
 use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
+use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::statistics::Statistics;
 
 use super::about::{Geometries, geometries};
 use super::column;
@@ -21,7 +23,9 @@ const GROWTH: f64 = 3.0;
 
 /// Reads a file. Features are numbered from 0 in the order of the file, as geopandas and GDAL show them.
 pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let broken = |e: ParquetError| Error::file_cause(path, "the file is no Parquet, or it is broken; copy or export it again", e);
+    let broken = |e: ParquetError| {
+        Error::file_cause(path, "the file is no Parquet, or it is broken; copy or export it again", e)
+    };
     let reader = SerializedFileReader::new(open_to_read(path)?).map_err(broken)?;
     let file = reader.metadata().file_metadata();
     let about = geometries(file).map_err(|what| Error::file(path, what))?;
@@ -34,10 +38,33 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         .collect();
     let mut number = 0;
     for group in 0..reader.num_row_groups() {
+        let rows = reader.metadata().row_group(group);
+        if request.within.is_some_and(|within| sides(rows, &about).is_some_and(|sides| !within.meets(sides))) {
+            number += u64::try_from(rows.num_rows()).unwrap_or_default();
+            continue;
+        }
         number += read_group(path, (&reader, group), &about, &attributes, &mut table, number, request.memory)?;
     }
     (table.crs, table.crs_problem) = (about.crs, about.crs_problem);
     Ok(table)
+}
+
+/// The box of all geometries of a group of rows, if the file has it: by the columns of boxes, or by the type of the geometries.
+fn sides(rows: &RowGroupMetaData, about: &Geometries) -> Option<[f64; 4]> {
+    let range = |k: usize| match rows.column(k).statistics()? {
+        Statistics::Double(found) => Some([*found.min_opt()?, *found.max_opt()?]),
+        Statistics::Float(found) => Some([*found.min_opt()?, *found.max_opt()?].map(f64::from)),
+        _ => None,
+    };
+    match about.boxes {
+        Some([x0, y0, x1, y1]) => Some([range(x0)?[0], range(y0)?[0], range(x1)?[1], range(y1)?[1]]),
+        None => {
+            let found = rows.column(about.leaf).geo_statistics()?.bounding_box()?;
+            // A box across the meridian of 180 degrees begins in the east.
+            let sides = [found.get_xmin(), found.get_ymin(), found.get_xmax(), found.get_ymax()];
+            (sides[0] <= sides[2]).then_some(sides)
+        }
+    }
 }
 
 /// Reads the features of a group of rows, the first of which has this number. Gives their number.
@@ -50,13 +77,20 @@ fn read_group(
     first: u64,
     memory: Option<u64>,
 ) -> Result<u64> {
-    let broken =
-        |e: ParquetError| Error::file_cause(path, format!("the rows from {first} on are broken; copy or export the file again"), e);
+    let broken = |e: ParquetError| {
+        Error::file_cause(path, format!("the rows from {first} on are broken; copy or export the file again"), e)
+    };
     let wrong = |what: String| Error::file(path, what);
     let rows = reader.get_row_group(group).map_err(broken)?;
-    let count = usize::try_from(rows.metadata().num_rows()).map_err(|_| wrong("a group has less than no rows".into()))?;
+    let count =
+        usize::try_from(rows.metadata().num_rows()).map_err(|_| wrong("a group has less than no rows".into()))?;
     let bytes = rows.metadata().column(about.leaf).uncompressed_size().max(0) as f64;
-    memory::check(GROWTH * bytes, memory, format!("{}: reading its rows", path.display()), "choose a part of it, or close other programs")?;
+    memory::check(
+        GROWTH * bytes,
+        memory,
+        format!("{}: reading its rows", path.display()),
+        "choose a part of it, or close other programs",
+    )?;
     let columns = reader.metadata().file_metadata().schema_descr().columns();
     let column = |k: usize| -> Result<ColumnReader> { rows.get_column_reader(k).map_err(broken) };
     let shapes = column::bytes(column(about.leaf)?, &columns[about.leaf], count).map_err(broken)?;
@@ -68,7 +102,10 @@ fn read_group(
         }
         let values = column::values(column(k)?, &columns[k], count).map_err(broken)?;
         if values.len() != features.len() {
-            return Err(wrong(format!("the column {:?} does not have one value for each row; the file is broken", columns[k].name())));
+            return Err(wrong(format!(
+                "the column {:?} does not have one value for each row; the file is broken",
+                columns[k].name()
+            )));
         }
         for (feature, value) in features.iter_mut().zip(values) {
             table.note(&mut feature.values, field, value);

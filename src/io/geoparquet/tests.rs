@@ -4,11 +4,11 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use parquet::data_type::{
-    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArray, FixedLenByteArrayType, FloatType, Int32Type,
-    Int64Type,
-};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{
+    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArray, FixedLenByteArrayType, FloatType,
+    Int32Type, Int64Type,
+};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
@@ -100,7 +100,8 @@ fn read(path: &Path, field: &str) -> Result<ContourMap> {
     Ok(read_contours(path, &options)?.value)
 }
 
-const GEO: &str = r#"{"version":"1.0.0","primary_column":"shape","columns":{"shape":{"encoding":"WKB","geometry_types":[]"#;
+const GEO: &str =
+    r#"{"version":"1.0.0","primary_column":"shape","columns":{"shape":{"encoding":"WKB","geometry_types":[]"#;
 
 #[test]
 fn columns_of_every_kind_are_elevations() {
@@ -111,17 +112,31 @@ fn columns_of_every_kind_are_elevations() {
     let columns = vec![
         ("double", Physical::DOUBLE, None, Values::Doubles(vec![12.5, 0.0, 13.5])),
         ("float", Physical::FLOAT, None, Values::Floats(vec![12.5, 0.0, 13.5])),
-        ("half", Physical::FIXED_LEN_BYTE_ARRAY, Some(LogicalType::Float16), Values::Halves(vec![[0x40, 0x4a], [0, 0], [0xc0, 0x4a]])),
+        (
+            "half",
+            Physical::FIXED_LEN_BYTE_ARRAY,
+            Some(LogicalType::Float16),
+            Values::Halves(vec![[0x40, 0x4a], [0, 0], [0xc0, 0x4a]]),
+        ),
         ("int", Physical::INT32, decimal(9), Values::Ints(vec![125, 0, 135])),
         ("long", Physical::INT64, decimal(18), Values::Longs(vec![125, 0, 135])),
         ("bytes", Physical::BYTE_ARRAY, decimal(9), Values::Bytes(vec![Some(vec![125]), None, Some(vec![0, 135])])),
-        ("text", Physical::BYTE_ARRAY, Some(LogicalType::String), Values::Bytes(vec![text("12.5"), None, text("13.5")])),
+        (
+            "text",
+            Physical::BYTE_ARRAY,
+            Some(LogicalType::String),
+            Values::Bytes(vec![text("12.5"), None, text("13.5")]),
+        ),
         ("yes", Physical::BOOLEAN, None, Values::Bools(vec![true, false, true])),
         ("day", Physical::INT32, Some(LogicalType::Date), Values::Ints(vec![i32::MAX; 3])),
         ("blob", Physical::BYTE_ARRAY, None, Values::Bytes(vec![Some(vec![0xff]), None, None])),
         lines(None),
     ];
-    write(&path, columns, &[("geo", &format!("{GEO},\"crs\":{{\"id\":{{\"authority\":\"EPSG\",\"code\":6677}}}}}}}}}}"))]);
+    write(
+        &path,
+        columns,
+        &[("geo", &format!("{GEO},\"crs\":{{\"id\":{{\"authority\":\"EPSG\",\"code\":6677}}}}}}}}}}"))],
+    );
     for field in ["double", "float", "half", "int", "long", "bytes", "text"] {
         let map = read(&path, field).unwrap();
         assert_eq!(map.contours.iter().map(|line| line.elevation).collect::<Vec<_>>(), [12.5, 13.5], "{field}");
@@ -145,7 +160,11 @@ fn systems_are_those_that_the_file_names() {
     };
     let geometry = |crs: Option<&str>| Some(LogicalType::geometry(crs.map(str::to_owned)));
     let utm = r#"{"type":"ProjectedCRS","id":{"authority":"EPSG","code":32616}}"#;
-    assert_eq!(code(None, &[("geo", &format!("{GEO}}}}}}}"))]), Some(4326), "longitudes and latitudes without an entry");
+    assert_eq!(
+        code(None, &[("geo", &format!("{GEO}}}}}}}"))]),
+        Some(4326),
+        "longitudes and latitudes without an entry"
+    );
     assert_eq!(code(None, &[("geo", &format!("{GEO},\"crs\":null}}}}}}"))]), None);
     assert_eq!(code(None, &[("geo", &format!("{GEO},\"crs\":{{\"name\":\"mine\"}}}}}}}}"))]), None);
     assert_eq!(code(geometry(None), &[]), Some(4326));

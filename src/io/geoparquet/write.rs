@@ -177,32 +177,47 @@ fn write_group<W: std::io::Write + Send>(
     let cells = |k: usize| rows.iter().map(move |&row| &layer.rows[row].cells[k]);
     for (k, column) in layer.columns.iter().enumerate() {
         match column.kind {
-            Kind::Real | Kind::Height | Kind::HeightError => put::<DoubleType, _>(out, cells(k).map(|cell| match cell {
-                Cell::Real(number) => Some(*number),
-                _ => None,
-            }))?,
-            Kind::Int => put::<Int64Type, _>(out, cells(k).map(|cell| match cell {
-                Cell::Int(number) => Some(*number),
-                _ => None,
-            }))?,
-            Kind::Text(_) | Kind::LongText => put::<ByteArrayType, _>(out, cells(k).map(|cell| match cell {
-                Cell::Text(text) => Some(ByteArray::from(text.as_bytes().to_vec())),
-                _ => None,
-            }))?,
-            Kind::Bool => put::<BoolType, _>(out, cells(k).map(|cell| match cell {
-                Cell::Bool(yes) => Some(*yes),
-                _ => None,
-            }))?,
+            Kind::Real | Kind::Height | Kind::HeightError => put::<DoubleType, _>(
+                out,
+                cells(k).map(|cell| match cell {
+                    Cell::Real(number) => Some(*number),
+                    _ => None,
+                }),
+            )?,
+            Kind::Int => put::<Int64Type, _>(
+                out,
+                cells(k).map(|cell| match cell {
+                    Cell::Int(number) => Some(*number),
+                    _ => None,
+                }),
+            )?,
+            Kind::Text(_) | Kind::LongText => put::<ByteArrayType, _>(
+                out,
+                cells(k).map(|cell| match cell {
+                    Cell::Text(text) => Some(ByteArray::from(text.as_bytes().to_vec())),
+                    _ => None,
+                }),
+            )?,
+            Kind::Bool => put::<BoolType, _>(
+                out,
+                cells(k).map(|cell| match cell {
+                    Cell::Bool(yes) => Some(*yes),
+                    _ => None,
+                }),
+            )?,
         }
     }
     let has_place = |row: &Row<'_>| row.shape != Shape::Point(None);
-    put::<ByteArrayType, _>(out, rows.iter().map(|&row| &layer.rows[row]).map(|row| {
-        has_place(row).then(|| {
-            let mut blob = Vec::new();
-            wkb::put_plain(&mut blob, &row.shape);
-            ByteArray::from(blob)
-        })
-    }))?;
+    put::<ByteArrayType, _>(
+        out,
+        rows.iter().map(|&row| &layer.rows[row]).map(|row| {
+            has_place(row).then(|| {
+                let mut blob = Vec::new();
+                wkb::put_plain(&mut blob, &row.shape);
+                ByteArray::from(blob)
+            })
+        }),
+    )?;
     // Bounds are least and greatest x, then y.
     for side in [0, 2, 1, 3] {
         put::<DoubleType, _>(out, rows.iter().map(|&row| has_place(&layer.rows[row]).then(|| bounds[row][side])))?;

@@ -227,7 +227,13 @@ mod tests {
     use crate::table::{Purpose, Request};
 
     fn table() -> Table {
-        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Contours, memory: None })
+        Table::new(&Request {
+            elevation_field: None,
+            layer: None,
+            purpose: Purpose::Contours,
+            within: None,
+            memory: None,
+        })
     }
 
     /// A line of two vertices whose numbers count up from a half.
