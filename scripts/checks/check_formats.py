@@ -30,7 +30,7 @@ SAMPLE = pathlib.Path(__file__).resolve().parents[2] / "samples" / "caryville_20
 # Verb and its options; what they write is compared.
 VECTOR_RUNS = [("densify", "-i 5"), ("skeleton", ""), ("regions", "")]
 # Extension, whether the format names the system, whether it keeps attributes.
-VECTORS = [("geojson", True, True), ("shp", True, True), ("fgb", True, True), ("parquet", True, True), ("dxf", False, False)]
+VECTORS = [("geojson", True, True), ("shp", True, True), ("fgb", True, True), ("dxf", False, False)]
 
 # What is written, with the options that place its cells.
 RASTER_RUNS = [("dem", "--cell 20"), ("dem in degrees", "--cell-degrees 1s")]

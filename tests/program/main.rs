@@ -21,6 +21,7 @@ mod existing_outputs;
 mod file_troubles;
 mod flow;
 mod geopackage_locks;
+mod geoparquet;
 mod guide_pages;
 mod hulls;
 mod labels;
