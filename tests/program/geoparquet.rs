@@ -18,7 +18,8 @@ fn contours(folder: &Folder, name: &str) -> ContourMap {
     let source = VectorSource::from_text(&folder.path(name).display().to_string()).unwrap();
     let mut map = read_contours(&source.path, &source.reading()).unwrap().value;
     map.contours.sort_by(|a, b| {
-        let key = |points: &[glam::DVec2]| points.iter().flat_map(|p| p.to_array()).map(f64::to_bits).collect::<Vec<_>>();
+        let key =
+            |points: &[glam::DVec2]| points.iter().flat_map(|p| p.to_array()).map(f64::to_bits).collect::<Vec<_>>();
         a.elevation.total_cmp(&b.elevation).then_with(|| key(&a.points).cmp(&key(&b.points)))
     });
     map

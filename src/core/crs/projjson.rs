@@ -274,6 +274,27 @@ mod tests {
     }
 
     #[test]
+    fn nearly_all_systems_of_the_table_have_a_text() {
+        let plane = |code: &u32| Crs::from_epsg(*code).root().is_some_and(|root| root.horizontal().is_projected());
+        let codes: Vec<u32> = (1024..=u32::from(u16::MAX)).filter(plane).collect();
+        let without: Vec<&u32> = codes.iter().filter(|code| Crs::from_epsg(**code).projjson().is_none()).collect();
+        let mut names = std::collections::BTreeMap::<String, (usize, u32)>::new();
+        for code in &without {
+            let root = Crs::from_epsg(**code).root().expect("it is projected");
+            let name =
+                root.horizontal().child(&["PROJECTION"]).and_then(|p| p.name().map(str::to_owned)).unwrap_or_default();
+            names.entry(name).or_insert((0, **code)).0 += 1;
+        }
+        eprintln!("{names:?}");
+        assert!(
+            codes.len() > 4000 && without.len() * 50 < codes.len(),
+            "{} of {}: {without:?}",
+            without.len(),
+            codes.len()
+        );
+    }
+
+    #[test]
     fn a_projection_has_its_parameters() {
         let made = Crs::from_epsg(32616).projjson().expect("UTM is known");
         assert_eq!(made["conversion"]["method"]["id"]["code"], 9807);

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
+use parquet::basic::Compression;
 use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::RowGroupMetaData;
@@ -93,6 +94,12 @@ fn read_group(
     )?;
     let columns = reader.metadata().file_metadata().schema_descr().columns();
     let column = |k: usize| -> Result<ColumnReader> { rows.get_column_reader(k).map_err(broken) };
+    let compression = rows.metadata().column(about.leaf).compression();
+    if matches!(compression, Compression::BROTLI(_) | Compression::LZ4 | Compression::LZ4_RAW | Compression::LZO) {
+        let what =
+            format!("its columns are compressed with {compression}, which is not read; write it with ZSTD or SNAPPY");
+        return Err(wrong(what));
+    }
     let shapes = column::bytes(column(about.leaf)?, &columns[about.leaf], count).map_err(broken)?;
     let mut features: Vec<Feature> =
         (0..shapes.len() as u64).map(|k| Feature { number: first + k, ..Feature::default() }).collect();
