@@ -11,6 +11,7 @@ mod local;
 mod named;
 mod parts;
 mod proj_string;
+mod projection_methods;
 mod projjson;
 mod reprojection;
 mod system;

@@ -37,14 +37,15 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         .filter(|&k| k != about.leaf && columns[k].path().parts().len() == 1 && columns[k].max_rep_level() == 0)
         .map(|k| (k, table.field(columns[k].name())))
         .collect();
-    let mut number = 0;
+    let mut number: u64 = 0;
     for group in 0..reader.num_row_groups() {
         let rows = reader.metadata().row_group(group);
         if request.within.is_some_and(|within| sides(rows, &about).is_some_and(|sides| !within.meets(sides))) {
-            number += u64::try_from(rows.num_rows()).unwrap_or_default();
+            number = number.saturating_add(u64::try_from(rows.num_rows()).unwrap_or_default());
             continue;
         }
-        number += read_group(path, (&reader, group), &about, &attributes, &mut table, number, request.memory)?;
+        let read = read_group(path, (&reader, group), &about, &attributes, &mut table, number, request.memory)?;
+        number = number.saturating_add(read);
     }
     (table.crs, table.crs_problem) = (about.crs, about.crs_problem);
     Ok(table)
@@ -102,7 +103,7 @@ fn read_group(
     }
     let shapes = column::bytes(column(about.leaf)?, &columns[about.leaf], count).map_err(broken)?;
     let mut features: Vec<Feature> =
-        (0..shapes.len() as u64).map(|k| Feature { number: first + k, ..Feature::default() }).collect();
+        (0..shapes.len() as u64).map(|k| Feature { number: first.saturating_add(k), ..Feature::default() }).collect();
     for &(k, field) in attributes {
         if !table.wants(field) {
             continue;
