@@ -1,6 +1,8 @@
 //! The page for map tiles: which sets it shows, what it says of them, and wrong usage. `scripts/checks/check_viewer.py` opens it
 //! in a browser.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
 use std::fs;
 
 use crate::common::Folder;
