@@ -1,12 +1,13 @@
 //! Reads a GeoParquet into a table.
 
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use parquet::basic::Compression;
 use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::RowGroupMetaData;
+use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::statistics::Statistics;
 
@@ -23,7 +24,14 @@ use tokosen_core::base::memory;
 const GROWTH: f64 = 3.0;
 
 /// Reads a file. Features are numbered from 0 in the order of the file, as geopandas and GDAL show them.
+///
+/// At some damaged files the crate panics, for example where a dictionary is missing. That is an error like any other.
 pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+    let read = catch_unwind(AssertUnwindSafe(|| read_groups(path, request)));
+    read.unwrap_or_else(|_| Err(Error::file(path, "the file is broken; copy or export it again")))
+}
+
+fn read_groups(path: &Path, request: &Request<'_>) -> Result<Table> {
     let broken = |e: ParquetError| {
         Error::file_cause(path, "the file is no Parquet, or it is broken; copy or export it again", e)
     };
@@ -40,6 +48,13 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let mut number: u64 = 0;
     for group in 0..reader.num_row_groups() {
         let rows = reader.metadata().row_group(group);
+        let is_negative = |column: &ColumnChunkMetaData| {
+            let places = [Some(column.data_page_offset()), column.dictionary_page_offset()];
+            column.compressed_size() < 0 || places.into_iter().flatten().any(|place| place < 0)
+        };
+        if rows.columns().iter().any(is_negative) {
+            return Err(Error::file(path, "the places of its columns are broken; copy or export the file again"));
+        }
         if request.within.is_some_and(|within| sides(rows, &about).is_some_and(|sides| !within.meets(sides))) {
             number = number.saturating_add(u64::try_from(rows.num_rows()).unwrap_or_default());
             continue;

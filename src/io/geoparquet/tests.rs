@@ -194,3 +194,22 @@ fn what_cannot_be_read_is_said() {
     std::fs::write(&path, "PAR1 and no more").unwrap();
     assert!(read(&path, "elev").unwrap_err().to_string().contains("no Parquet"));
 }
+
+#[test]
+fn no_changed_byte_panics() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.parquet");
+    let elevations = ("elev", Physical::DOUBLE, None, Values::Doubles(vec![1.0, 1.0, 3.0]));
+    write(&path, vec![elevations, lines(Some(LogicalType::geometry(None)))], &[]);
+    let whole = std::fs::read(&path).unwrap();
+    let mut refused = 0;
+    for at in 0..whole.len() {
+        for byte in [0, 1, 0x7f, 0x80, 0xff, whole[at] ^ 1, whole[at] ^ 8] {
+            let mut changed = whole.clone();
+            changed[at] = byte;
+            std::fs::write(&path, &changed).unwrap();
+            refused += usize::from(read(&path, "elev").is_err());
+        }
+    }
+    assert!(refused > whole.len(), "{refused} of {}", 7 * whole.len());
+}
