@@ -46,8 +46,8 @@ pub struct CheckArgs {
     streams: StreamArgs,
     #[command(flatten, next_help_heading = "Lines and water to compare")]
     break_lines: BreakLineArgs,
-    /// Findings to write, as points: .gpkg or .geojson. With --repair: the repaired contours, as .geojson, .gpkg, .fgb,
-    /// .dxf or .shp; only a GeoPackage also holds the spot heights
+    /// Findings to write, as points: .gpkg, .geojson or .parquet. With --repair: the repaired contours, as .geojson, .gpkg, .fgb,
+    /// .parquet, .dxf or .shp; only a GeoPackage also holds the spot heights
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Print the findings as JSON
@@ -152,14 +152,14 @@ impl CheckArgs {
             ));
         }
         let known = match VectorFormat::from_path(path) {
-            Ok(VectorFormat::GeoPackage | VectorFormat::GeoJson) => true,
+            Ok(VectorFormat::GeoPackage | VectorFormat::GeoJson | VectorFormat::GeoParquet) => true,
             Ok(_) => self.writes_map(),
             Err(_) => false,
         };
         if !known {
             let kinds = match self.writes_map() {
-                true => "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp",
-                false => "findings are written as .gpkg or .geojson",
+                true => "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp",
+                false => "findings are written as .gpkg, .geojson or .parquet",
             };
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }

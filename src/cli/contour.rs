@@ -22,6 +22,7 @@ use super::output;
 use super::part::PartArgs;
 use super::source::source;
 use super::unit::in_units;
+use super::viewer::{ViewerArgs, title};
 use super::{memory, plane, summary, tiles};
 
 /// Contour lines of a height map
@@ -50,7 +51,7 @@ pub struct ContourArgs {
     /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
     crs: Option<Crs>,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several intervals, a GeoPackage gets one layer
     /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
@@ -68,6 +69,8 @@ pub struct ContourArgs {
     /// Also draw a picture of the height map and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    viewer: ViewerArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     /// Outer border: a polygon in a vector file. Cells whose centres lie outside of it are no ground, so lines end beside them
@@ -91,7 +94,8 @@ Examples:
   tokosen contour dem.tif -i 5 --clip district.geojson -o district.gpkg
   tokosen contour dem.tif -i 10 --to-unit ft -o every_10_feet.dxf
   tokosen contour dem.asc --crs EPSG:6677 --levels 12.5,13 --tolerance 0.2 -o flood.fgb
-  tokosen contour dem.tif -i 10 -o contours.pmtiles";
+  tokosen contour dem.tif -i 10 -o contours.pmtiles
+  tokosen contour dem.tif -i 10 -o map/contours.pmtiles --viewer map/index.html";
 
 /// Runs the verb.
 pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
@@ -101,6 +105,8 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     args.check(&names, console)?;
     let staged = tiles::open(&args.output)?;
+    let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
+    let attribution = args.viewer.attribution.as_deref();
     let picture = args.preview.as_deref().map(StagedOutput::create).transpose()?;
 
     console.plan(["reading"]);
@@ -139,7 +145,8 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let labels = args.levels.labels.place(&found.layers, (low, high), unit)?;
     let map_tiles = match found.layers.first() {
         Some(layer) => {
-            tiles::write(&staged, &args.output, &args.levels, (&params.targets[0], layer), &reprojection, console)?
+            let lines = (&params.targets[0], layer);
+            tiles::write(&staged, &args.output, (&args.levels, attribution), lines, &reprojection, console)?
         }
         None => None,
     };
@@ -174,6 +181,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             console.warn(&format!("layer {name} has no line: {why}"));
         }
     }
+    viewer.map(|viewer| viewer.commit(console)).transpose()?;
     if let Some(picture) = picture {
         console.say(&format!("written    {}", picture.commit()?.display()));
     }
@@ -191,11 +199,13 @@ impl ContourArgs {
             return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
         }
         tiles::check(&self.output, &self.levels)?;
+        self.viewer.check(&[&self.output])?;
         self.preview.as_deref().map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         let files = tiles::files(&self.output, layers)?;
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
-        let outputs: Vec<PlannedOutput<'_>> =
-            contours.chain(self.preview.as_deref().map(PlannedOutput::from)).collect();
+        let outputs: Vec<PlannedOutput<'_>> = contours
+            .chain([&self.preview, &self.viewer.viewer].into_iter().flatten().map(|path| path.as_path().into()))
+            .collect();
         let areas = self.part.file().into_iter().chain(self.frame.iter().map(|source| source.path.as_path()));
         console.check_paths(&[self.dem.as_path()].into_iter().chain(areas).collect::<Vec<_>>(), &outputs)?;
         if content(&self.dem)? == Content::Contours {

@@ -1,6 +1,6 @@
 //! `tokosen dem`: contour lines in, a height map out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::Options;
@@ -20,6 +20,7 @@ use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, SurfaceArgs};
 use super::unit::ToUnitArgs;
+use super::viewer::ViewerArgs;
 
 /// A height map (DEM) from contour lines
 ///
@@ -49,6 +50,8 @@ pub struct DemArgs {
     /// Also draw a picture of the surface and the contours: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    viewer: ViewerArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -68,20 +71,26 @@ Examples:
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox
   tokosen dem contours.gpkg --cell 10 -o dem.tif -o dem.exr -o dem.asc
-  tokosen dem contours.gpkg --max-zoom 13 -o terrain.pmtiles";
+  tokosen dem contours.gpkg --max-zoom 13 -o terrain.pmtiles
+  tokosen dem contours.gpkg --max-zoom 13 -o map/terrain.pmtiles --viewer map/index.html";
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let crs = args.to_crs.to_crs.as_ref();
     args.output.iter().try_for_each(|path| args.height_map.check(path, crs, args.to_unit.unit()))?;
     args.surface.check(&console.flags)?;
+    let paths: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
+    args.viewer.check(&paths)?;
     let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
-    let outputs = args.output.iter().map(|path| path.as_path().into()).chain(args.diagnostics.planned());
+    let outputs = args.output.iter().chain(&args.viewer.viewer).map(|path| path.as_path().into());
+    let outputs = outputs.chain(args.diagnostics.planned());
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     console.plan(["writing"]);
     let diagnostics = args.diagnostics.open()?;
-    let open = |path: &PathBuf| DemOutput::open(path, &args.height_map, crs, args.to_unit.unit());
+    let viewer = args.viewer.open(&paths, &args.input.map.title())?;
+    let attribution = args.viewer.attribution.as_deref();
+    let open = |path: &PathBuf| DemOutput::open(path, &args.height_map, crs, args.to_unit.unit(), attribution);
     let outputs: Vec<DemOutput> = args.output.iter().map(open).collect::<Result<_, _>>()?;
     // All of them have the same cells.
     let grid = outputs.first().map(|output| &output.grid);
@@ -118,6 +127,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     pits.iter().for_each(|pits| summary::pits(pits, "height map", console));
     maps.iter().take(1).filter_map(|map| map.map.base.as_ref()).for_each(|base| base::describe(base, console));
     outputs.into_iter().zip(&maps).try_for_each(|(output, map)| output.commit(map, console))?;
+    viewer.map(|viewer| viewer.commit(console)).transpose()?;
     diagnostics.map(|file| file.commit(console)).transpose()?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

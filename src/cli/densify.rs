@@ -30,6 +30,7 @@ use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
 use super::terrain_tiles::ABOUT_TILES;
 use super::tiles;
 use super::unit::in_units;
+use super::viewer::ViewerArgs;
 
 /// Contour lines at a finer interval
 ///
@@ -46,7 +47,7 @@ use super::unit::in_units;
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several intervals, a GeoPackage gets one layer
     /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
@@ -75,6 +76,8 @@ pub struct DensifyArgs {
     /// Also draw a picture of the surface and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    viewer: ViewerArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -93,7 +96,8 @@ Examples:
   tokosen densify feet.gpkg --unit ft -i 2 --to-unit ft -o every_2_feet.gpkg
   tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
   tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg
-  tokosen densify contours.gpkg -i 5 --zooms 10:100,12:20,14:5 -o contours.pmtiles";
+  tokosen densify contours.gpkg -i 5 --zooms 10:100,12:20,14:5 -o contours.pmtiles
+  tokosen densify contours.gpkg -i 5 -o map/contours.pmtiles --dem map/terrain.pmtiles --max-zoom 13 --viewer map/index.html";
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
@@ -106,10 +110,12 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let job = args.start(&files, &names, console)?;
     console.plan(["slicing", "writing"]);
     let staged = tiles::open(&args.output)?;
+    let viewer = args.viewer.open(&args.maps(), &args.input.map.title())?;
+    let attribution = args.viewer.attribution.as_deref();
     let dem_output = args
         .dem
         .as_deref()
-        .map(|path| DemOutput::open(path, &args.height_map, args.levels.to_crs.to_crs.as_ref(), unit))
+        .map(|path| DemOutput::open(path, &args.height_map, args.levels.to_crs.to_crs.as_ref(), unit, attribution))
         .transpose()?;
     let diagnostics = args.diagnostics.open()?;
     let mut findings = Vec::new();
@@ -147,7 +153,9 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
     let map_tiles = match layers.first() {
         Some(layer) => {
-            tiles::write(&staged, &args.output, &args.levels, (&targets[0], layer), &input.reprojection, console)?
+            let lines = (&targets[0], layer);
+            let way = &input.reprojection;
+            tiles::write(&staged, &args.output, (&args.levels, attribution), lines, way, console)?
         }
         None => None,
     };
@@ -189,6 +197,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     if let (Some(output), Some(map)) = (dem_output, &map) {
         output.commit(map, console)?;
     }
+    viewer.map(|viewer| viewer.commit(console)).transpose()?;
     job.commit_picture()?;
     let outside = terrain.findings_outside;
     if let Some(reference) = reference {
@@ -244,7 +253,13 @@ impl DensifyArgs {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
         tiles::check(&self.output, &self.levels)?;
+        self.viewer.check(&self.maps())?;
         self.surface.check(flags)
+    }
+
+    /// The outputs that may be map tiles.
+    fn maps(&self) -> Vec<&Path> {
+        [Some(&self.output), self.dem.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect()
     }
 
     /// Whether only lines are asked for, and the input has its own at all their levels. Where it has no gaps, no surface is needed.
@@ -260,7 +275,9 @@ impl DensifyArgs {
     fn start<'a>(&'a self, files: &[PathBuf], layers: &[&str], console: &'a Console) -> Result<Job<'a>, Failure> {
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
-        let outputs = contours.chain([&self.dem, &self.report].into_iter().flatten().map(|path| path.as_path().into()));
+        let outputs = contours.chain(
+            [&self.dem, &self.report, &self.viewer.viewer].into_iter().flatten().map(|path| path.as_path().into()),
+        );
         let outputs = outputs.chain(self.diagnostics.planned());
         let inputs = others.chain(self.surface.files()).chain(self.part.file());
         Job::start(&self.input, inputs, outputs, self.preview.as_deref(), console)

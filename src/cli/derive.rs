@@ -110,7 +110,7 @@ pub struct DeriveArgs {
 }
 
 const TO_CRS_HELP: &str = "For contours: coordinate reference system of the height map [default: the working CRS]";
-const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png, .xyz), or contour lines (.geojson, .json, .gpkg, .shp, .fgb, .dxf, .kml, \
+const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png, .xyz), or contour lines (.geojson, .json, .gpkg, .shp, .fgb, .parquet, .dxf, .kml, \
                           .gml, .csv and others), \
                           or a .xml, .zip or folder of 基盤地図情報";
 

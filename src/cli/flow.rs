@@ -49,7 +49,7 @@ pub struct FlowArgs {
     #[command(flatten)]
     pub outlets: OutletArgs,
     /// Streams as lines with heights, where at least --threshold drains through a cell, with Strahler order, length, fall and
-    /// upstream area: .gpkg, .geojson, .shp, .fgb or .dxf
+    /// upstream area: .gpkg, .geojson, .shp, .fgb, .parquet or .dxf
     #[arg(long, value_name = "FILE", requires = "threshold")]
     pub stream_lines: Option<PathBuf>,
     /// Upstream area from which on there is a stream, for --stream-lines and --flood-level +H [square metres]
@@ -108,7 +108,7 @@ impl FlowArgs {
         let areas = self.catchments.as_deref().filter(|path| !is_raster(path));
         areas.map_or(Ok(()), |path| check_vector(path, kinds))?;
         if let Some(path) = &self.stream_lines {
-            check_vector(path, "streams are written as .gpkg, .geojson, .shp, .fgb or .dxf")?;
+            check_vector(path, "streams are written as .gpkg, .geojson, .shp, .fgb, .parquet or .dxf")?;
         }
         self.outlets.check()?;
         self.flood.check()?;

@@ -28,7 +28,7 @@ pub struct JoinArgs {
     /// Folder of the plan
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp
     #[arg(short, long, value_name = "FILE", required_unless_present = "dem")]
     output: Option<PathBuf>,
     /// Height map to write: .tif, .exr, .png, .asc or .xyz
@@ -100,7 +100,7 @@ impl JoinArgs {
     /// Checks the paths of the outputs.
     fn check(&self, names: &[&str], console: &Console) -> Result<(), Failure> {
         if let Some(path) = &self.output {
-            check_vector(path, "contour lines are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
+            check_vector(path, "contour lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp")?;
         }
         self.cog.check(self.dem.as_deref())?;
         if self.to_crs.to_crs.is_some() && self.output.is_none() {

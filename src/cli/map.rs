@@ -15,14 +15,15 @@ use super::failure::Failure;
 use super::features::{MapFeatureArgs, paths};
 use super::source::source;
 use super::unit::UnitArg;
+use super::viewer::title;
 use super::{memory, plane};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub struct MapArgs {
     /// Contour lines: GeoJSON (.geojson, .json, .geojsonl, .geojsons), GeoPackage (.gpkg), shapefile (.shp, also in a
-    /// .zip), FlatGeobuf (.fgb), DXF (.dxf), KML (.kml, .kmz), GML (.gml), well-known text (.csv, .tsv), or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
-    /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours'
+    /// .zip), FlatGeobuf (.fgb), GeoParquet (.parquet), DXF (.dxf), KML (.kml, .kmz), GML (.gml), well-known text (.csv, .tsv), or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
+    /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours', and a box that features must meet: 'all.parquet|bbox=XMIN,YMIN,XMAX,YMAX'
     #[arg(required = true, value_name = "CONTOURS", value_parser = source())]
     pub contours: Vec<VectorSource>,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
@@ -157,6 +158,11 @@ impl MapArgs {
     pub fn name(&self) -> String {
         let names: Vec<String> = self.contours.iter().map(|source| source.path.display().to_string()).collect();
         names.join(", ")
+    }
+
+    /// What a page of the input is called.
+    pub fn title(&self) -> String {
+        title(&self.contours.iter().map(|source| source.path.as_path()).collect::<Vec<_>>())
     }
 
     /// How the lines are prepared.

@@ -49,6 +49,7 @@ mod surface;
 mod terrain_tiles;
 mod tiles;
 mod unit;
+mod viewer;
 mod volume;
 mod work;
 mod zooms;

@@ -259,10 +259,17 @@ pub fn extension(path: &Path) -> String {
 
 impl DemOutput {
     /// Opens the file, whose heights will be in `unit`, and reads the raster whose cells are asked for. `crs` is the
-    /// system that the cells are to be in, if it is named.
-    pub fn open(path: &Path, wanted: &HeightMapArgs, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Self, Failure> {
+    /// system that the cells are to be in, if it is named. `attribution` is the source that tiles state.
+    pub fn open(
+        path: &Path,
+        wanted: &HeightMapArgs,
+        crs: Option<&Crs>,
+        unit: ElevationUnit,
+        attribution: Option<&str>,
+    ) -> Result<Self, Failure> {
         wanted.check(path, crs, unit)?;
-        if let Some(tiles) = wanted.tiles(path, crs, unit)? {
+        if let Some(mut tiles) = wanted.tiles(path, crs, unit)? {
+            tiles.attribution = attribution.map(str::to_owned);
             let staged = super::tiles::open(path)?;
             return Ok(Self {
                 staged,

@@ -32,7 +32,7 @@ use super::unit::{ToUnitArgs, in_units};
 pub struct RegionsArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Areas to write: .geojson, .gpkg, .fgb, .dxf (outlines alone) or .shp
+    /// Areas to write: .geojson, .gpkg, .fgb, .parquet, .dxf (outlines alone) or .shp
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
@@ -58,7 +58,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
-    output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
+    output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp")?;
     let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(paths(args.water.sources()));
     let output = PlannedOutput { path: &args.output, layers: &[REGIONS_LAYER] };
     let job = Job::start(&args.input, inputs, [output], args.preview.as_deref(), console)?;

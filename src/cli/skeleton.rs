@@ -35,7 +35,7 @@ use super::unit::{ToUnitArgs, in_units};
 pub struct SkeletonArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several layers, a GeoPackage holds all of them;
+    /// Lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several layers, a GeoPackage holds all of them;
     /// other formats get one file per layer
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
@@ -73,7 +73,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
-    output::check_vector(&args.output, "lines are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
+    output::check_vector(&args.output, "lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp")?;
     if !args.resolution.is_finite() || args.resolution < 0.0 {
         return Err(Failure::Usage(format!("--resolution is {}, it must be 0 or more", args.resolution)));
     }

@@ -108,7 +108,7 @@ impl TerrainTileArgs {
             }
             Some(colours) => colours,
         };
-        Ok(Some(TerrainTiles { zoom, side, encoding, image }))
+        Ok(Some(TerrainTiles { zoom, side, encoding, image, attribution: None }))
     }
 }
 

@@ -14,7 +14,7 @@ use super::failure::Failure;
 use super::levels::LevelsArgs;
 
 /// The kinds of files for contours, for messages.
-const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
+const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
                      FOLDER/{z}/{x}/{y}.pbf";
 
 /// Refuses a file that contours are not written to, and options that do not apply to it.
@@ -65,7 +65,7 @@ pub fn open(output: &Path) -> Result<StagedOutput, Error> {
 pub fn write(
     staged: &StagedOutput,
     output: &Path,
-    levels: &LevelsArgs,
+    (levels, attribution): (&LevelsArgs, Option<&str>),
     (target, layer): (&Target, &ContourLayer),
     reprojection: &Reprojection,
     console: &Console,
@@ -75,7 +75,7 @@ pub fn write(
     }
     let back = reprojection.from_working(Some(&Crs::from_epsg(WEB_MERCATOR)))?.with_heights_in(levels.to_unit.unit());
     let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.index);
-    let tiles = ContourTiles { layer, target, index_every, zooms, back: &back };
+    let tiles = ContourTiles { layer, target, index_every, zooms, back: &back, attribution };
     Ok(Some(write_contour_tiles(staged, output, &tiles, console)?))
 }
 

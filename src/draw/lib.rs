@@ -1,7 +1,9 @@
-//! Pictures, charts and reports: the preview of a result, profiles and curves, and the report of a comparison.
+//! Pictures, charts and pages: the preview of a result, profiles and curves, the report of a comparison, and the page for map
+//! tiles.
 
 pub mod chart;
 mod coordinates;
 pub mod preview;
 pub mod report;
 mod scale;
+pub mod viewer;

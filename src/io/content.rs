@@ -32,7 +32,7 @@ pub fn content(path: &Path) -> Result<Content> {
     InputFormat::from_path(path).map(|_| Content::Contours).map_err(|_| {
         let heights = READABLE_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
         let message = format!(
-            "is neither a height map ({heights}) nor contour lines (.gpkg, .geojson, .json, .shp, .fgb, .dxf, .geojsonl, .kml, \
+            "is neither a height map ({heights}) nor contour lines (.gpkg, .geojson, .json, .shp, .fgb, .parquet, .dxf, .geojsonl, .kml, \
              .kmz, .gml, .csv, a zipped .shp), nor a .xml, .zip or folder of 基盤地図情報. Convert other formats with \
              'gdal_translate FILE out.tif' or 'ogr2ogr out.gpkg FILE'"
         );

@@ -13,6 +13,8 @@ pub enum VectorFormat {
     GeoPackage,
     /// `.fgb`
     FlatGeobuf,
+    /// `.parquet`
+    GeoParquet,
     /// `.dxf`
     Dxf,
     /// `.shp` with its companions
@@ -30,12 +32,13 @@ impl VectorFormat {
             "geojson" | "json" => Ok(Self::GeoJson),
             "gpkg" => Ok(Self::GeoPackage),
             "fgb" => Ok(Self::FlatGeobuf),
+            "parquet" | "geoparquet" => Ok(Self::GeoParquet),
             "dxf" => Ok(Self::Dxf),
             "shp" => Ok(Self::Shapefile),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is written; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile)",
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .parquet (GeoParquet), .dxf (DXF) and .shp (shapefile)",
             )),
         }
     }
@@ -77,7 +80,7 @@ impl InputFormat {
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is read; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF), .shp (shapefile; also in a .zip), .geojsonl and .geojsons \
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .parquet (GeoParquet), .dxf (DXF), .shp (shapefile; also in a .zip), .geojsonl and .geojsons \
                  (GeoJSON text sequence), .kml and .kmz (KML), .gml (GML), .csv and .tsv (well-known text); folders, .zip and \
                  .xml are read as 基盤地図情報. Convert other formats with 'ogr2ogr out.gpkg FILE'",
             )),

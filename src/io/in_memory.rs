@@ -133,7 +133,8 @@ mod tests {
     }
 
     fn read(features: MemoryLayer) -> Result<Table> {
-        let request = Request { elevation_field: Some("H"), layer: None, purpose: Purpose::Contours, memory: None };
+        let request =
+            Request { elevation_field: Some("H"), layer: None, purpose: Purpose::Contours, within: None, memory: None };
         InMemory::from(features).read(Path::new("contours"), &request)
     }
 

@@ -1,5 +1,5 @@
-//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, DXF and shapefile. The file's extension selects the
-//! format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
+//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, GeoParquet, DXF and shapefile. The file's extension
+//! selects the format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
 //! only.
 //!
 //! Reading: file → table of features → elevations. Each format has a file that fills the table. One place decides which
@@ -19,9 +19,11 @@ mod depression;
 mod dxf;
 mod elevation;
 mod elevation_names;
+mod file_box;
 mod flatgeobuf;
 mod format;
 mod geojson;
+mod geoparquet;
 mod gml;
 mod gpkg;
 pub mod gsi;
@@ -66,6 +68,7 @@ use tokosen_core::subdomains::{Landform, Regions};
 use tokosen_core::tin::Tin;
 
 pub use content::{Content, content};
+pub use file_box::FileBox;
 pub use format::VectorFormat;
 pub use in_memory::{Attribute, InMemory, MemoryLayer};
 pub use maker::SAVED_RUN;
@@ -84,6 +87,9 @@ pub struct ReadOptions {
     /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas. For a GML:
     /// the type of the features. For zipped shapefiles: the name of one.
     pub layer: Option<String>,
+    /// The box that features must meet, in the coordinates of the file. Of a GeoParquet, only the groups of rows are read that
+    /// may meet it. No features are left out if `None`.
+    pub within: Option<FileBox>,
     /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
     /// Features in memory, which are read instead of the file. The path is then their name in messages.
@@ -194,10 +200,23 @@ pub fn read_features(role: Role, path: &Path, options: &ReadOptions) -> Result<R
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
+    let mut table = read_whole_table(path, options, purpose)?;
+    if let Some(within) = options.within {
+        table.features.retain(|feature| within.meets(feature.sides()));
+        if table.features.is_empty() {
+            let message = "no feature meets the box after |bbox=, which has the coordinates of the file";
+            return Err(Error::file(path, message));
+        }
+    }
+    Ok(table)
+}
+
+fn read_whole_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
     let request = Request {
         elevation_field: options.elevation_field.as_deref(),
         layer: options.layer.as_deref(),
         purpose,
+        within: options.within,
         memory: options.memory,
     };
     if let Some(features) = &options.features {
@@ -231,6 +250,7 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         InputFormat::Written(VectorFormat::GeoJson) => geojson::read(path, &request),
         InputFormat::Written(VectorFormat::GeoPackage) => gpkg::read(path, &request),
         InputFormat::Written(VectorFormat::FlatGeobuf) => flatgeobuf::read(path, &request),
+        InputFormat::Written(VectorFormat::GeoParquet) => geoparquet::read(path, &request),
         InputFormat::Written(VectorFormat::Dxf) => dxf::read(path, &request),
         InputFormat::Written(VectorFormat::Shapefile) => shapefile::read(path, &request),
         InputFormat::GeoJsonSequence => geojson::read_sequence(path, &request),
@@ -295,7 +315,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     let format = VectorFormat::from_path(out.target())?;
     let is_plain = matches!(format, VectorFormat::FlatGeobuf | VectorFormat::Shapefile);
     if is_plain && layers.iter().any(|layer| layer.geometry == layer::Geometry::Points) {
-        return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+        return Err(Error::file(out.target(), "points are written as .gpkg, .geojson or .parquet"));
     }
     if format == VectorFormat::GeoPackage {
         let target = if gpkg::is_there(out.target())? { Some(out.target()) } else { None };
@@ -307,7 +327,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
             layer.geometry == layer::Geometry::Points && layer.columns.iter().all(|column| column.name != "text")
         };
         if layers.iter().any(is_bare) {
-            return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+            return Err(Error::file(out.target(), "points are written as .gpkg, .geojson or .parquet"));
         }
         // Points are texts beside the lines of the layer before.
         for (group, file) in layers.chunk_by(|_, next| next.geometry == layer::Geometry::Points).zip(&files) {
@@ -322,6 +342,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
             VectorFormat::GeoJson => geojson::write(&path, layer, crs),
             VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs, None),
             VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
+            VectorFormat::GeoParquet => geoparquet::write(&path, layer, crs),
             VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer), crs),
             VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
         };
@@ -368,7 +389,7 @@ pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
     match VectorFormat::from_path(target)? {
         VectorFormat::GeoPackage => return Ok(vec![target.to_owned()]),
         VectorFormat::Dxf => layers.retain(|name| !name.starts_with(layer::LABELS_LAYER)),
-        VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::Shapefile => {}
+        VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::GeoParquet | VectorFormat::Shapefile => {}
     }
     Ok(layers.iter().map(|name| target.with_file_name(layer::file_name(target, name, layers.len()))).collect())
 }

@@ -11,7 +11,7 @@ use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 use super::ordinary::open_to_read;
-use super::tiles;
+use super::{geoparquet, tiles};
 
 /// The name of the program in files.
 pub(super) const PROGRAM: &str = "tokosen";
@@ -52,6 +52,7 @@ pub(super) fn is_own(path: &Path) -> bool {
         return software(file).is_some_and(|software| software == PROGRAM);
     }
     match extension.as_str() {
+        "parquet" | "geoparquet" => return geoparquet::is_own(file),
         "pmtiles" => return tiles::is_own_pmtiles(file),
         "mbtiles" => return tiles::is_own_mbtiles(path),
         _ => {}

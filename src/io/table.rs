@@ -11,6 +11,7 @@ use glam::DVec2;
 use super::attributes::{
     is_depth_name, is_elevation_name, is_kind_name, is_open_name, is_sigma_name, may_give_unit, may_mark, unit_in_name,
 };
+use super::file_box::FileBox;
 use super::unit_words::LengthWord;
 use tokosen_core::base::error::{Finding, FindingKind};
 use tokosen_core::contour::UnitHint;
@@ -25,6 +26,8 @@ pub(super) struct Request<'a> {
     pub layer: Option<&'a str>,
     /// The purpose of reading the file.
     pub purpose: Purpose,
+    /// The box that features must meet. A reader may leave out others, and need not.
+    pub within: Option<FileBox>,
     /// Memory limit, bytes, if there is one.
     pub memory: Option<u64>,
 }
@@ -143,6 +146,16 @@ impl Feature {
         let spots = size_of::<Spot>() * self.spots.len() + size_of::<(usize, Value)>() * self.values.len();
         let geometry = lines.chain(rings).sum::<usize>();
         if geometry == 0 && self.spots.is_empty() { 0 } else { size_of::<Self>() + spots + geometry }
+    }
+
+    /// The least and the greatest x and y of its vertices: least x, least y, greatest x, greatest y.
+    pub fn sides(&self) -> [f64; 4] {
+        let lines = self.lines.iter().flat_map(|line| &line.points);
+        let all =
+            lines.chain(self.polygons.iter().flatten().flatten()).chain(self.spots.iter().map(|spot| &spot.place));
+        let nothing = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        let [low, high] = all.fold(nothing, |[low, high], p| [low.min(*p), high.max(*p)]);
+        [low.x, low.y, high.x, high.y]
     }
 
     /// Extends the z range of the feature's polygons by these vertices.

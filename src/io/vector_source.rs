@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::ReadOptions;
+use super::file_box::FileBox;
 use super::format::InputFormat;
 use super::gsi;
 use super::in_memory::InMemory;
@@ -10,6 +12,8 @@ use tokosen_core::base::error::{Error, Result};
 
 /// The key before the name of a layer, as QGIS writes it: `all.gpkg|layername=Lakes`.
 const LAYER_KEY: &str = "layername=";
+/// The key before a box.
+const BOX_KEY: &str = "bbox=";
 /// Other keys that QGIS writes after a path.
 const OTHER_KEYS: [&str; 5] = ["layerid=", "subset=", "geometrytype=", "uniquegeometrytype=", "option:"];
 /// Signs of a pattern.
@@ -22,13 +26,15 @@ pub struct VectorSource {
     pub path: PathBuf,
     /// The layer, by its name.
     pub layer: Option<String>,
+    /// The box that features must meet, in the coordinates of the file. No features are left out if `None`.
+    pub within: Option<FileBox>,
     /// Features in memory, which are read instead of the file. The path is then their name in messages.
     pub features: Option<InMemory>,
 }
 
 impl<P: Into<PathBuf>> From<P> for VectorSource {
     fn from(path: P) -> Self {
-        Self { path: path.into(), layer: None, features: None }
+        Self { path: path.into(), layer: None, within: None, features: None }
     }
 }
 
@@ -38,10 +44,17 @@ impl VectorSource {
         Self { features: Some(features), ..Self::from(name) }
     }
 
-    /// Takes a path, or a path and a layer as QGIS writes them: `all.gpkg|layername=Lakes`.
+    /// How it is read.
+    pub fn reading(&self) -> ReadOptions {
+        let Self { layer, within, features, .. } = self.clone();
+        ReadOptions { layer, within, features, ..ReadOptions::default() }
+    }
+
+    /// Takes a path, or a path and a layer as QGIS writes them: `all.gpkg|layername=Lakes`. Also a box that features must meet:
+    /// `all.parquet|bbox=XMIN,YMIN,XMAX,YMAX`.
     ///
     /// # Errors
-    /// A sentence if something else than a layer is named after the path.
+    /// A sentence if something else is named after the path, or the box is none.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let plain = || Ok(Self::from(text));
         let Some((path, rest)) = text.split_once('|').filter(|_| !Path::new(text).exists()) else { return plain() };
@@ -50,6 +63,10 @@ impl VectorSource {
             let lower = part.to_ascii_lowercase();
             if lower.starts_with(LAYER_KEY) {
                 source.layer = Some(part[LAYER_KEY.len()..].to_owned());
+            } else if lower.starts_with(BOX_KEY) {
+                let sides = FileBox::from_text(&part[BOX_KEY.len()..]);
+                source.within =
+                    Some(sides.ok_or_else(|| format!("{part:?} is no box; write |bbox=XMIN,YMIN,XMAX,YMAX"))?);
             } else if let Some(key) = OTHER_KEYS.iter().find(|key| lower.starts_with(**key)) {
                 let key = key.trim_end_matches(['=', ':']);
                 return Err(format!("{part:?} is not read ({key}); name a layer as FILE|layername=NAME"));
@@ -120,7 +137,7 @@ fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
         files = further;
     }
     if files.is_empty() {
-        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb, .dxf, .kml or .gml, and nothing of 基盤地図情報 (.xml, .zip)";
+        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml or .gml, and nothing of 基盤地図情報 (.xml, .zip)";
         return Err(Error::file(folder, message));
     }
     files.sort();
@@ -140,6 +157,14 @@ mod tests {
         assert_eq!(read("a b/all.gpkg|layername=Inns jø"), Ok(layer("a b/all.gpkg", "Inns jø")));
         assert_eq!(read("all.gpkg|LayerName=x"), Ok(layer("all.gpkg", "x")));
         assert_eq!(read("odd|name.gpkg"), Ok("odd|name.gpkg".into()));
+        let part = read("all.parquet|layername=a|bbox=-1, 2.5,3,4e5").expect("a box");
+        assert_eq!((part.layer.as_deref(), part.within), (Some("a"), FileBox::from_text("-1,2.5,3,4e5")));
+        for wrong in ["1,2,3", "1,2,0,4", "1,2,3,NaN", ""] {
+            assert!(
+                read(&format!("a.parquet|bbox={wrong}")).is_err_and(|message| message.contains("no box")),
+                "{wrong}"
+            );
+        }
         for wrong in ["all.gpkg|layerid=0", "all.gpkg|layername=x|subset=\"elev\" > 3"] {
             assert!(read(wrong).is_err_and(|message| message.contains("|layername=NAME")), "{wrong}");
         }

@@ -215,7 +215,8 @@ mod tests {
     use crate::table::{Purpose, Request};
 
     fn read(text: &str, purpose: Purpose) -> Result<(Feature, Vec<String>), String> {
-        let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose, memory: None });
+        let mut table =
+            Table::new(&Request { elevation_field: None, layer: None, purpose, within: None, memory: None });
         let mut feature = Feature::default();
         add(text, &mut feature, &mut table)?;
         Ok((feature, table.left_out.into_keys().collect()))

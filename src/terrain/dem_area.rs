@@ -31,9 +31,9 @@ pub fn extent_on(dem: &Dem, extent: [f64; 4], crs: Option<&Crs>) -> Result<Multi
 /// As [`read_area`] and [`area_on`]; the error names the file.
 #[cfg(feature = "io")]
 pub fn read_area_on(dem: &Dem, source: &VectorSource, memory: Option<u64>) -> Result<MultiPolygon<f64>> {
-    let VectorSource { path, layer, features, .. } = source.clone();
-    let (area, crs) = read_area(&path, &ReadOptions { layer, features, memory, ..ReadOptions::default() })?;
-    area_on(dem, &area, crs.as_ref()).map_err(|error| error.in_file(&path))
+    let path = &source.path;
+    let (area, crs) = read_area(path, &ReadOptions { memory, ..source.reading() })?;
+    area_on(dem, &area, crs.as_ref()).map_err(|error| error.in_file(path))
 }
 
 #[cfg(test)]

@@ -81,8 +81,7 @@ pub fn read_check_points(
     findings: &mut Vec<Finding>,
 ) -> Result<()> {
     let path = &source.path;
-    let VectorSource { layer, features, .. } = source.clone();
-    let reading = ReadOptions { layer, features, memory, unit, ..ReadOptions::default() };
+    let reading = ReadOptions { memory, unit, ..source.reading() };
     let mut checks = read_spot_heights(path, &reading)?.collect(findings);
     let crs = checks.crs.as_ref().filter(|crs| crs.height_unit().is_some());
     let hint = checks.unit_hint.as_ref();

@@ -40,17 +40,17 @@ impl Place {
 /// As [`read_places`]; if the systems cannot be converted to each other; if a point has no place in the system.
 #[cfg(feature = "io")]
 pub fn read_places_in(crs: Option<&Crs>, source: &VectorSource, memory: Option<u64>) -> Result<Report<Vec<Place>>> {
-    let VectorSource { path, layer, features } = source.clone();
-    let read = read_places(&path, &ReadOptions { layer, features, memory, ..ReadOptions::default() })?;
+    let path = &source.path;
+    let read = read_places(path, &ReadOptions { memory, ..source.reading() })?;
     let Places { places, crs: own } = read.value;
-    let transform = Transform::between_known(own.as_ref(), crs).map_err(|error| error.in_file(&path))?;
+    let transform = Transform::between_known(own.as_ref(), crs).map_err(|error| error.in_file(path))?;
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let place = |(place, feature): (DVec2, u64)| match converted(transform.as_ref(), place) {
         Some(at) => Ok(Place { at, name: format!("feature {feature} of {file}") }),
         None => {
             let DVec2 { x, y } = place;
             let message = format!("feature {feature}: {x} {y} has no place in the coordinates of the height map");
-            Err(Error::file(&path, message))
+            Err(Error::file(path, message))
         }
     };
     Ok(Report { value: places.into_iter().map(place).collect::<Result<_>>()?, findings: read.findings })

@@ -160,8 +160,8 @@ pub fn read_profile(
     params: &ProfileParams,
     memory: Option<u64>,
 ) -> Result<Report<Profile>> {
-    let VectorSource { path, layer, features } = source.clone();
-    let read = read_paths(&path, &ReadOptions { layer, features, memory, ..ReadOptions::default() })?;
+    let path = &source.path;
+    let read = read_paths(path, &ReadOptions { memory, ..source.reading() })?;
     let Paths { lines, crs } = read.value;
-    Ok(Report { value: profile(sides, &lines, crs.as_ref(), params, &path)?, findings: read.findings })
+    Ok(Report { value: profile(sides, &lines, crs.as_ref(), params, path)?, findings: read.findings })
 }

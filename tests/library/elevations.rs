@@ -298,7 +298,7 @@ fn write_rows(path: &Path, geometry: Geometry, columns: &'static [Column], rows:
     staged.commit().unwrap();
 }
 
-const VECTOR: [&str; 4] = ["geojson", "gpkg", "fgb", "shp"];
+const VECTOR: [&str; 5] = ["geojson", "gpkg", "fgb", "parquet", "shp"];
 
 #[test]
 fn polygons_at_one_elevation_are_contours_in_every_format() {

@@ -106,7 +106,7 @@ fn read_damaged(path: &Path) {
 
 #[test]
 fn damage_is_an_error_or_harmless() {
-    for name in ["out.fgb", "out.dxf"] {
+    for name in ["out.fgb", "out.parquet", "out.dxf"] {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join(name);
         write_lines(&path, lines());

@@ -12,7 +12,7 @@ use tokosen::contour::{ContourLayer, ContourLine, ContourMap, Source};
 use tokosen::crs::Crs;
 use tokosen::io::{ReadOptions, StagedOutput, read_contours, read_spot_heights, write_contours};
 
-const FORMATS: [&str; 5] = ["dxf", "fgb", "geojson", "gpkg", "shp"];
+const FORMATS: [&str; 6] = ["dxf", "fgb", "geojson", "gpkg", "parquet", "shp"];
 
 /// Numbers whose decimal form is easily cut short.
 fn nasty_lines() -> Vec<ContourLine> {
@@ -113,7 +113,7 @@ fn every_format_gives_back_every_bit() {
             assert_eq!(written, std::slice::from_ref(&path));
             let mut report = read(&path);
             assert_eq!(report.value.contours.len(), lines.len());
-            // A FlatGeobuf has its features in the order of its spatial index.
+            // A FlatGeobuf has its features in the order of its spatial index, a GeoParquet along a curve.
             report.value.contours.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
             lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
             // A DXF cannot name its system.
@@ -627,8 +627,8 @@ fn no_cut_or_changed_byte_of_a_shapefile_panics() {
 #[test]
 fn a_full_disk_is_an_error_for_every_file_of_a_format() {
     let dir = tempfile::tempdir().unwrap();
-    for name in ["out.geojson", "out.shp", "out.shx", "out.dbf", "out.prj", "out.cpg", "out.gpkg", "out.fgb", "out.dxf"]
-    {
+    let shapefile = ["out.shp", "out.shx", "out.dbf", "out.prj", "out.cpg"];
+    for name in ["out.geojson", "out.gpkg", "out.fgb", "out.parquet", "out.dxf"].into_iter().chain(shapefile) {
         let extension = Path::new(name).extension().unwrap().to_str().unwrap();
         let main = if FORMATS.contains(&extension) { extension } else { "shp" };
         let path = dir.path().join("out").with_extension(main);

@@ -247,7 +247,7 @@ fn wrong_usage_is_told() {
     let folder = Folder::new();
     folder.put("map.geojson", &hill());
     for (arguments, word) in [
-        ("check map.geojson -o findings.shp", "findings are written as .gpkg or .geojson"),
+        ("check map.geojson -o findings.shp", "findings are written as .gpkg, .geojson or .parquet"),
         ("check map.geojson --repair safe -o fixed.tif", "contours are written as"),
         ("check map.geojson --repair none -o fixed.gpkg", "changes nothing"),
         ("check map.geojson --to-crs EPSG:6668", "add -o FILE"),

@@ -179,6 +179,7 @@ fn every_format_is_written_twice_and_foreign_files_only_when_asked() {
     for (line, target, names_program) in [
         ("densify in.geojson -i 5 -o out.geojson", "out.geojson", true),
         ("densify in.geojson -i 5 -o out.fgb", "out.fgb", true),
+        ("densify in.geojson -i 5 -o out.parquet", "out.parquet", true),
         ("densify in.geojson -i 5 -o out.dxf", "out.dxf", true),
         ("densify in.geojson -i 5 -o out.shp", "out.shp", false),
         ("dem in.geojson --cell 2 -o out.tif", "out.tif", true),

@@ -90,7 +90,7 @@ mod unix {
     #[test]
     fn a_disk_that_is_full_leaves_the_earlier_file_and_nothing_else() {
         let dir = folder();
-        for target in ["a.gpkg", "a.geojson", "a.fgb", "a.dxf", "a.shp"] {
+        for target in ["a.gpkg", "a.geojson", "a.fgb", "a.parquet", "a.dxf", "a.shp"] {
             fs::write(dir.path().join(target), "earlier").unwrap();
             let before = names(dir.path());
             let output = limited(dir.path(), 2, &format!("densify in.geojson -i 1 -o {target} -q"));

@@ -53,7 +53,7 @@ fn folder() -> Folder {
 #[test]
 fn inputs_of_every_format_and_role_are_ordinary_files() {
     let folder = folder();
-    for name in ["a.geojson", "a.gpkg", "a.fgb", "a.dxf", "a.shp", "a.xml", "a.zip"] {
+    for name in ["a.geojson", "a.gpkg", "a.fgb", "a.parquet", "a.dxf", "a.shp", "a.xml", "a.zip"] {
         pipe(&folder.path(name));
         is_refused(&folder, &format!("densify {name} -i 5 -o out.gpkg"), &[name, ORDINARY]);
     }
@@ -114,6 +114,7 @@ fn outputs_are_ordinary_files_and_what_is_none_stays() {
         ("out.geojson", "densify in.geojson -i 5 -o out.geojson"),
         ("out.dxf", "densify in.geojson -i 5 -o out.dxf"),
         ("out.fgb", "densify in.geojson -i 5 -o out.fgb"),
+        ("out.parquet", "densify in.geojson -i 5 -o out.parquet"),
         ("out.shp", "densify in.geojson -i 5 -o out.shp"),
         ("out.dbf", "densify in.geojson -i 5 -o out.shp"),
         ("out.tif", "dem in.geojson --cell 50 -o out.tif"),

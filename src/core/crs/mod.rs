@@ -11,6 +11,8 @@ mod local;
 mod named;
 mod parts;
 mod proj_string;
+mod projection_methods;
+mod projjson;
 mod reprojection;
 mod system;
 mod transform;

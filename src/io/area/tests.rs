@@ -15,7 +15,8 @@ fn points(points: &[(f64, f64)]) -> Vec<DVec2> {
 
 /// The area of features of one polygon each, numbered from 0.
 fn read(polygons: &[Rings]) -> Result<MultiPolygon<f64>> {
-    let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, memory: None });
+    let mut table =
+        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, within: None, memory: None });
     for (number, rings) in (0..).zip(polygons) {
         table.push(Feature { number, polygons: vec![rings.clone()], ..Feature::default() });
     }
@@ -108,13 +109,15 @@ fn unclosed_rings_are_closed_and_touching_ones_allowed() {
 fn a_file_without_polygons_says_what_it_has() {
     let message = error(&[]);
     assert!(message.contains("there is no polygon in it"), "{message}");
-    let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, memory: None });
+    let mut table =
+        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, within: None, memory: None });
     let mut feature = Feature::default();
     feature.push_line(square(0.0, 0.0, 1.0), &[]);
     table.push(feature);
     let message = area(Path::new(PATH), table).unwrap_err().to_string();
     assert!(message.contains("(found: 1 lines)"), "{message}");
-    let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, memory: None });
+    let mut table =
+        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, within: None, memory: None });
     table.push(Feature { polygons: vec![vec![square(0.0, 0.0, 1.0)]], ..Feature::default() });
     table.leave_out("CurvePolygon");
     let message = area(Path::new(PATH), table).unwrap_err().to_string();
@@ -132,7 +135,8 @@ fn many_polygons_on_each_other_become_one_outline() {
 
 #[test]
 fn polygons_that_may_not_be_united_stay_apart() {
-    let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, memory: None });
+    let mut table =
+        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, within: None, memory: None });
     for number in 0..3 {
         let polygons = vec![vec![square(number as f64, 0.0, 10.0)]];
         table.push(Feature { number, polygons, ..Feature::default() });

@@ -5,8 +5,13 @@ use crate::table::{Feature, Purpose, Request};
 
 /// A table with one straight line per row: the values of the fields, and its z.
 fn table(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]>)]) -> Table {
-    let mut table =
-        Table::new(&Request { elevation_field: named, layer: None, purpose: Purpose::Contours, memory: None });
+    let mut table = Table::new(&Request {
+        elevation_field: named,
+        layer: None,
+        purpose: Purpose::Contours,
+        within: None,
+        memory: None,
+    });
     for (number, (values, z)) in (0..).zip(rows) {
         let mut feature = Feature { number, ..Feature::default() };
         for (name, value) in names.iter().zip(*values) {

@@ -77,7 +77,7 @@ pub(super) fn without_header(blob: &[u8]) -> Result<Option<&[u8]>, String> {
 }
 
 /// The name of the geometry's type.
-pub(super) fn type_name(wkb: &[u8]) -> Result<&'static str, String> {
+pub(crate) fn type_name(wkb: &[u8]) -> Result<&'static str, String> {
     let (_, code, _) = head(&mut Bytes { rest: wkb })?;
     Ok(TYPES[code])
 }
@@ -192,6 +192,11 @@ pub(super) fn put(blob: &mut Vec<u8>, shape: &Shape<'_>, srs_id: i32, envelope: 
     blob.push(0b11);
     blob.extend(srs_id.to_le_bytes());
     blob.extend(envelope.iter().flat_map(|bound| bound.to_le_bytes()));
+    put_plain(blob, shape);
+}
+
+/// Adds a shape as WKB, little-endian.
+pub(crate) fn put_plain(blob: &mut Vec<u8>, shape: &Shape<'_>) {
     blob.push(1);
     if let Shape::Point(point) = shape {
         blob.extend(1_u32.to_le_bytes());
@@ -222,7 +227,13 @@ mod tests {
     use crate::table::{Purpose, Request};
 
     fn table() -> Table {
-        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Contours, memory: None })
+        Table::new(&Request {
+            elevation_field: None,
+            layer: None,
+            purpose: Purpose::Contours,
+            within: None,
+            memory: None,
+        })
     }
 
     /// A line of two vertices whose numbers count up from a half.

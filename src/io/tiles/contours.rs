@@ -44,6 +44,8 @@ pub struct ContourTiles<'a> {
     pub zooms: &'a [(u8, f64)],
     /// The way to Web Mercator, and to the unit of heights in the tiles.
     pub back: &'a FromWorking,
+    /// The source of the data, which maps must show.
+    pub attribution: Option<&'a str>,
 }
 
 /// What was written.
@@ -330,6 +332,7 @@ fn about(path: &Path, tiles: &ContourTiles<'_>, zooms: &[ZoomInterval], bounds: 
     more.insert("vector_layers".into(), vector_layer(LAYER, &format!("contour lines, ele in {unit}"), &fields, ends));
     let of_zooms = zooms.iter().filter_map(|z| Some((z.zoom.to_string(), json!(interval(tiles.target, z.multiple)?))));
     more.insert("intervals".into(), Json::Object(of_zooms.collect()));
+    more.extend(tiles.attribution.map(|text| ("attribution".into(), text.into())));
     About {
         name: name_of(path),
         kind: Kind::Vector,

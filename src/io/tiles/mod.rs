@@ -11,12 +11,14 @@
 //! messages are needed (`mvt`); a crate for them brings seven others, and joins parts of lines that must stay apart.
 
 mod archive;
+mod beside;
 mod contours;
 mod format;
 mod mvt;
 mod spool;
 mod terrain;
 
+pub use beside::{TileSet, tile_sets};
 pub use contours::{ContourTiles, WrittenTiles, ZoomSummary, write_contour_tiles};
 pub use format::TileFormat;
 pub(super) use format::{foreign_entry, is_own_folder, is_own_mbtiles, is_own_pmtiles};

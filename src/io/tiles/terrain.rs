@@ -30,7 +30,7 @@ pub enum TileImage {
 }
 
 /// How to write terrain tiles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TerrainTiles {
     /// The highest zoom.
     pub zoom: u8,
@@ -40,6 +40,8 @@ pub struct TerrainTiles {
     pub encoding: PngEncoding,
     /// How a tile is stored.
     pub image: TileImage,
+    /// The source of the data, which maps must show.
+    pub attribution: Option<String>,
 }
 
 /// What was written.
@@ -167,6 +169,7 @@ fn about(path: &Path, dem: &Dem, size: DVec2, tiles: &TerrainTiles, zooms: [u8; 
     let mut more = Map::new();
     more.insert("encoding".into(), code.name().into());
     more.insert("tile_size".into(), tiles.side.to_string().into());
+    more.extend(tiles.attribution.iter().map(|text| ("attribution".into(), text.clone().into())));
     About {
         name: name_of(path),
         kind: match tiles.image {

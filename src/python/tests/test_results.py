@@ -80,6 +80,19 @@ def test_files_of_rasterio_and_pyogrio_agree(tmp_path):
     assert len(geopandas.read_file(tmp_path / "l.gpkg")) == len(lines)
 
 
+def test_geoparquet_is_read_and_written(tmp_path):
+    lines = tokosen.densify(DRAWN, 5)
+    lines.to_file(tmp_path / "l.parquet")
+    levels = sorted(tokosen.densify(tmp_path / "l.parquet", 5)["elev"])
+    assert levels == sorted(lines["elev"])
+    found = geopandas.read_parquet(tmp_path / "l.parquet")
+    assert sorted(found["elev"]) == levels
+    found.to_parquet(tmp_path / "theirs.parquet", write_covering_bbox=True)
+    low_x, low_y, high_x, high_y = found.total_bounds
+    part = f"{tmp_path / 'theirs.parquet'}|bbox={low_x},{low_y},{(low_x + high_x) / 2},{high_y}"
+    assert set(tokosen.densify(part, 5)["elev"]) <= set(levels)
+
+
 def test_units_and_systems_of_results():
     metres = tokosen.densify(tokosen.example(), 5)
     feet = tokosen.densify(tokosen.example(), 20, to_unit="ft")

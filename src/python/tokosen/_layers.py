@@ -111,7 +111,7 @@ class Layer:
         return geopandas.GeoDataFrame(columns, geometry=list(geometry), crs=self._layer.crs)
 
     def to_file(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
-        """Writes the layer: .gpkg, .geojson, .fgb, .shp or .dxf, as the program does.
+        """Writes the layer: .gpkg, .geojson, .fgb, .parquet, .shp or .dxf, as the program does.
 
         A GeoPackage that exists keeps its other layers. Other files are replaced if tokosen made them; `overwrite` replaces all.
 

@@ -43,8 +43,7 @@ impl Input {
         let sheet = |source: &VectorSource| {
             let layer = source.layer.clone().or_else(|| options.layer.clone());
             let InputOptions { elevation_field, memory, unit, depths, .. } = options.clone();
-            let features = source.features.clone();
-            let reading = ReadOptions { elevation_field, layer, memory, features, unit, depths };
+            let reading = ReadOptions { elevation_field, layer, memory, unit, depths, ..source.reading() };
             let (read, unit) = in_metres(read_contours(&source.path, &reading)?, options);
             let Report { value: map, findings } = read;
             Ok(Sheet { file: source.path.clone(), map, findings, unit })
@@ -152,8 +151,7 @@ impl Input {
 
     /// How further files are read.
     fn reading(&self, source: &VectorSource) -> ReadOptions {
-        let VectorSource { layer, features, .. } = source.clone();
         let Self { memory, asked_unit: unit, depths, .. } = *self;
-        ReadOptions { layer, features, memory, unit, depths, ..ReadOptions::default() }
+        ReadOptions { memory, unit, depths, ..source.reading() }
     }
 }
