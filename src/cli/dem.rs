@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tokosen::Options;
 use tokosen::base::error::Report;
-use tokosen::draw::preview::picture;
+use tokosen::draw::Scene;
 use tokosen::surface::Triangles;
 
 use super::base::{self, BaseArgs};
@@ -16,6 +16,7 @@ use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing, PictureArgs};
 use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, SurfaceArgs};
@@ -46,9 +47,8 @@ pub struct DemArgs {
     to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
-    /// Also draw a picture of the surface and the contours: .png
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -78,7 +78,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
     let outputs = args.output.iter().map(|path| path.as_path().into()).chain(args.diagnostics.planned());
-    let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
+    let mut job = Job::start(&args.input, inputs, outputs, Asked::Map(&args.picture), console)?;
     console.plan(["writing"]);
     let diagnostics = args.diagnostics.open()?;
     let open = |path: &PathBuf| DemOutput::open(path, &args.height_map, crs, args.to_unit.unit());
@@ -111,7 +111,11 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let pits = first.map(|(map, grid)| terrain.pits_of(&map.map.dem, grid)).transpose()?;
     diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
     let units = args.to_unit.drawn(console.units());
-    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection, units))?;
+    if job.draws() {
+        let lines = terrain.input_contours()?.lines;
+        let scene = Scene::of_surface(&terrain.surface, &lines, &terrain.reprojection, units);
+        job.draw(&Drawing::Map(scene.within(terrain.part())))?;
+    }
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);

@@ -33,6 +33,7 @@ mod negative;
 mod outlets;
 mod output;
 mod part;
+mod picture;
 mod places;
 mod plan;
 mod plane;
@@ -171,6 +172,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             console::error(&hints::with_causes(&error));
             FAILED
         }
+        Err(Failure::Told(text)) => {
+            console::error(&text);
+            FAILED
+        }
     }
 }
 
@@ -219,7 +224,7 @@ impl Run {
         warnings.iter().flatten().for_each(|warning| console.warn(&format!("warning: {warning}")));
         let outcome = cli.verb.run(&console);
         console.clear();
-        outcome?;
+        outcome.map_err(|failure| failure.in_units(console.error_units()))?;
         console.save_run()?;
         console.done();
         Ok(console.printed()?)

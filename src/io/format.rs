@@ -17,6 +17,8 @@ pub enum VectorFormat {
     Dxf,
     /// `.shp` with its companions
     Shapefile,
+    /// `.kml`, and `.kmz` with one in it
+    Kml,
 }
 
 impl VectorFormat {
@@ -32,10 +34,11 @@ impl VectorFormat {
             "fgb" => Ok(Self::FlatGeobuf),
             "dxf" => Ok(Self::Dxf),
             "shp" => Ok(Self::Shapefile),
+            "kml" | "kmz" => Ok(Self::Kml),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is written; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile)",
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF), .shp (shapefile), .kml and .kmz (KML)",
             )),
         }
     }
@@ -48,8 +51,6 @@ pub(super) enum InputFormat {
     Written(VectorFormat),
     /// GeoJSON text sequence, or a text per line: `.geojsonl`, `.geojsons`, `.ndjson`.
     GeoJsonSequence,
-    /// `.kml`, and `.kmz` with one in it
-    Kml,
     /// `.gml`
     Gml,
     /// `.csv`, `.tsv` with geometries as well-known text
@@ -70,7 +71,6 @@ impl InputFormat {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
             "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" => Ok(Self::GeoJsonSequence),
-            "kml" | "kmz" => Ok(Self::Kml),
             "gml" => Ok(Self::Gml),
             "csv" | "tsv" => Ok(Self::Text),
             "zip" => Ok(Self::ZippedShapefile),

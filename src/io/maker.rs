@@ -9,6 +9,7 @@ use std::path::Path;
 
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
+use zip::ZipArchive;
 
 use super::ordinary::open_to_read;
 use super::tiles;
@@ -34,7 +35,7 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["obj"], b"# tokosen\n"),
     (&["ply"], b"\ncomment tokosen\n"),
     (&["xml"], b"<Application name=\"tokosen\""),
-    (&["svg"], b"<!-- made by tokosen -->"),
+    (&["svg", "kml"], b"<!-- made by tokosen -->"),
     (&["html", "htm"], b"<meta name=\"generator\" content=\"tokosen\">"),
 ];
 
@@ -52,6 +53,7 @@ pub(super) fn is_own(path: &Path) -> bool {
         return software(file).is_some_and(|software| software == PROGRAM);
     }
     match extension.as_str() {
+        "kmz" => return ZipArchive::new(file).is_ok_and(|archive| archive.comment() == MADE_BY.as_bytes()),
         "pmtiles" => return tiles::is_own_pmtiles(file),
         "mbtiles" => return tiles::is_own_mbtiles(path),
         _ => {}

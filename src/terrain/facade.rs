@@ -43,6 +43,11 @@ pub struct Terrain {
 }
 
 impl Terrain {
+    /// The part of the map that results cover, on the working plane, if it is not the whole.
+    pub fn part(&self) -> Option<&MultiPolygon<f64>> {
+        self.part.as_ref()
+    }
+
     /// Prepares the lines of an input (see [`Input::prepare`]) and builds the surface between them.
     ///
     /// # Errors

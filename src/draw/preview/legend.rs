@@ -91,7 +91,7 @@ pub(super) fn crs_label(crs: &Crs) -> Option<String> {
     })
 }
 
-fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
+pub(crate) fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
     let mut keys = Vec::new();
     let mut contours = |class: &Option<Class>, kind: &str| {
         let Some(class) = class else { return };

@@ -36,7 +36,7 @@ const INDEX_EVERY: u32 = 5;
 
 /// What is drawn of one source of contours.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Class {
+pub(crate) struct Class {
     /// How the levels follow each other, if there is more than one.
     spacing: Option<Spacing>,
     /// Every n-th level is drawn; `None` if the lines are too dense and none is drawn.
@@ -57,7 +57,7 @@ pub(super) struct Class {
 
 /// What is drawn of the contours; `None` where there are none of the kind.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     /// The contours of the input, or those of a height map.
     pub input: Option<Class>,
     pub interpolated: Option<Class>,
@@ -71,7 +71,7 @@ pub(super) struct Plan {
 }
 
 /// The kind of line that a line is drawn as. Lines of a height map are drawn like those of the input.
-pub(super) fn drawn_as(line: &ContourLine) -> Source {
+pub(crate) fn drawn_as(line: &ContourLine) -> Source {
     match line.source {
         Source::Input | Source::HeightMap => Source::Input,
         Source::Interpolated => Source::Interpolated,
@@ -90,7 +90,7 @@ enum Index {
 }
 
 /// Chooses the levels to draw on a map.
-pub(super) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
+pub(crate) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
     let of = |source| contours.iter().filter(move |c| drawn_as(c) == source && c.elevation.is_finite());
     let points = |line: &'_ &ContourLine| !line.points.is_empty();
     let density = |source| Density::of(grid, of(source).filter(points).map(|c| c.points.as_slice()));
@@ -234,7 +234,7 @@ impl Class {
 }
 
 /// Whether a line is inferred: the contours say little about the height there.
-pub(super) fn is_inferred(line: &ContourLine) -> bool {
+pub(crate) fn is_inferred(line: &ContourLine) -> bool {
     line.expected.is_some_and(|expected| expected.inferred)
 }
 

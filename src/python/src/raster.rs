@@ -9,7 +9,7 @@ use tokosen::base::Grid;
 use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::dem::volume::Heights;
-use tokosen::draw::preview::height_map_picture;
+use tokosen::draw::Scene;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
     write_raster, write_shade, write_with_errors,
@@ -153,7 +153,7 @@ impl Raster {
     /// A picture of a height map, as PNG.
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let dem = self.dem(py)?;
-        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[], Units::METRES)?))
+        work(py, None, |_| picture_bytes(&Scene::of_height_map(&dem, &[], Units::METRES).image()?))
     }
 
     /// Writes the raster.
