@@ -224,7 +224,7 @@ impl Reference {
         console.say("");
         let side = Side::of_terrain(Path::new(&args.input.map.name()), args.surface.surface.kind(), terrain);
         let pair = Pair::on(side, self.side, nodes, console)?;
-        let found = measure(&pair, &MeasureOptions::default(), console)?;
+        let found = measure(&pair, &MeasureOptions { unit: pair.unit(), ..MeasureOptions::default() }, console)?;
         if let Some(page) = self.page {
             draw(&page, &pair, &found, console)?;
             console.say(&format!("written    {}", page.commit()?.display()));

@@ -30,6 +30,8 @@ mod map;
 mod memory;
 mod mesh;
 mod negative;
+#[cfg(test)]
+mod option_table;
 mod outlets;
 mod output;
 mod part;
@@ -42,6 +44,7 @@ mod progress;
 mod regions;
 mod results;
 mod run_file;
+mod shell;
 mod skeleton;
 mod source;
 mod suggest;
@@ -112,6 +115,10 @@ enum Verb {
     Plan(Box<plan::PlanArgs>),
     Work(Box<work::WorkArgs>),
     Join(Box<join::JoinArgs>),
+    #[command(hide = true)]
+    Completions(shell::CompletionsArgs),
+    #[command(hide = true)]
+    Man(shell::ManArgs),
 }
 
 /// Options that every verb has.
@@ -248,6 +255,8 @@ impl Verb {
             Self::Plan(args) => plan::run(args, console),
             Self::Work(args) => work::run(args, console),
             Self::Join(args) => join::run(args, console),
+            Self::Completions(args) => shell::completions(args, Cli::command(), console),
+            Self::Man(args) => shell::man(args, Cli::command(), console),
         }
     }
 }

@@ -105,8 +105,11 @@ pub(crate) fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Opti
                 let (all, drawn) = (interval.unwrap_or_default(), step(every).unwrap_or_default());
                 keys.push((Some(class.style), format!("{kind}, {all}, drawn every {drawn}{room}")));
             }
-            (None, Some(interval)) => keys.push((None, format!("{kind}, {interval}: too dense to draw"))),
-            (None, None) => keys.push((None, format!("{kind}: too dense to draw"))),
+            (None, interval) => {
+                let interval = interval.map_or_else(String::new, |interval| format!(", {interval}"));
+                let larger = class.larger.map_or_else(String::new, |size| format!(" below {size} times this size"));
+                keys.push((None, format!("{kind}{interval}: too dense to draw{larger}")));
+            }
         }
     };
     contours(&plan.input, if plan.of_height_map { "Contours" } else { "Input contours" });

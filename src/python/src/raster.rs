@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::Units;
@@ -97,6 +97,37 @@ impl Raster {
         let grid = Grid { corner: DVec2::new(west, north), cell: DVec2::new(width, -height), cols, rows };
         let values = values.iter().map(|v| if v.is_finite() { *v } else { f32::NAN }).collect();
         Self::new(py, Dem { grid, values, crs }, None, Quantity::Height, &[])
+    }
+
+    /// A raster from what [`Raster::state`] gave.
+    #[staticmethod]
+    fn restore(
+        py: Python<'_>,
+        arrays: (Bound<'_, PyArray2<f32>>, Option<Bound<'_, PyArray2<f32>>>),
+        transform: [f64; 6],
+        crs: Option<&str>,
+        quantity: &str,
+        notes: Vec<String>,
+    ) -> PyResult<Self> {
+        let (values, error) = arrays;
+        let quantity = Quantity::ALL.into_iter().find(|known| known.name() == quantity);
+        let quantity = quantity.ok_or_else(|| parameter(py, "the raster holds an unknown quantity"))?;
+        let crs = self::crs(py, crs)?;
+        let [rows, cols] = [values.shape()[0], values.shape()[1]];
+        let [width, _, west, _, height, north] = transform;
+        let grid = Grid { corner: DVec2::new(west, north), cell: DVec2::new(width, -height), cols, rows };
+        Ok(Self { grid, crs, quantity, values: values.unbind(), error: error.map(Bound::unbind), notes })
+    }
+
+    /// What the raster consists of, for pickle.
+    #[allow(clippy::type_complexity, reason = "a tuple of what Python gets")]
+    fn state(
+        &self,
+        py: Python<'_>,
+    ) -> ((Py<PyArray2<f32>>, Option<Py<PyArray2<f32>>>), [f64; 6], Option<String>, &'static str, Vec<String>) {
+        let error = self.error.as_ref().map(|error| error.clone_ref(py));
+        let arrays = (self.values.clone_ref(py), error);
+        (arrays, self.transform(), self.crs(), self.quantity.name(), self.notes.clone())
     }
 
     /// A height map from a file.
