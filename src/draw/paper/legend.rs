@@ -65,18 +65,23 @@ pub(super) fn shapes(content: &Content<'_>, fonts: &Fonts) -> Vec<Shape> {
         }
         None => out.push(text(&note, DVec2::new(from.x, base), TEXT, Align::Left)),
     }
-    let left = MARGIN + COORDINATES;
+    let blocks = blocks(content, fonts);
+    // The legend begins below the corner of the map, or further to the left if it needs the room.
+    let [first, last] = [MARGIN + COORDINATES, placed.paper.x - MARGIN - COORDINATES];
+    let width = blocks.iter().map(|(width, _)| width + GAP).sum::<f64>() - GAP;
+    let left = from.x.min(last - width).max(first);
     let mut at = DVec2::new(left, to.y + COORDINATES + LEGEND[1]);
-    for (width, shapes) in blocks(content, fonts) {
-        if at.x > left && at.x + width > placed.paper.x - left {
+    for (width, shapes) in blocks {
+        if at.x > left && at.x + width > last {
             at = DVec2::new(left, at.y + LEGEND[0]);
         }
         out.extend(shapes.into_iter().map(|shape| moved(shape, at)));
         at.x += width + GAP;
     }
     if let Some(source) = &page.source {
-        let size = SOURCE.min((placed.paper.x - 2.0 * left) / fonts.width(source).max(1e-9));
-        out.push(text(source, DVec2::new(left, placed.paper.y - MARGIN), size, Align::Left));
+        let size = SOURCE.min((last - first) / fonts.width(source).max(1e-9));
+        let room = last - fonts.width(source) * size;
+        out.push(text(source, DVec2::new(from.x.min(room).max(first), at.y + LEGEND[0] + 3.0), size, Align::Left));
     }
     out
 }

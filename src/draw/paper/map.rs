@@ -22,7 +22,7 @@ use tokosen_core::slice::{Label, LabelParams, place_labels};
 /// Pixels of the relief in a millimetre, and most of them in all.
 const FINENESS: (f64, f64) = (8.0, 16e6);
 /// What counts as a pixel when it is judged whether lines have room, millimetres. Print is finer than a screen.
-const PIXEL: f64 = 0.1;
+const PIXEL: f64 = 0.11;
 /// The same for ridge and canyon lines.
 const BREAK_PIXEL: f64 = 0.15;
 /// Size of the text of labels, and height of its figures.

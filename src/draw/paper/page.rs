@@ -18,7 +18,7 @@ pub(super) const NARROW: f64 = 290.0;
 /// Room for the line about the source.
 pub(super) const FOOT: f64 = 5.0;
 /// Usual scales, times powers of ten.
-const USUAL: [f64; 8] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5];
+const USUAL: [f64; 12] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.5];
 /// The longest side of paper, millimetres.
 const LONGEST: f64 = 5000.0;
 /// The shortest one.
@@ -165,14 +165,21 @@ impl Page {
     fn best(&self, paper: Paper, size: DVec2) -> (DVec2, f64) {
         let unit = |way: &DVec2| (size / self.room(*way).max(DVec2::ONE)).max_element();
         let ways = paper.ways().into_iter().map(|way| (way, unit(&way)));
-        ways.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((DVec2::ONE, 1.0))
+        // Of two ways with the same scale, the paper lies as the map does.
+        let is_across = |way: &DVec2| (way.x > way.y) != (size.x > size.y);
+        let key = |(way, unit): &(DVec2, f64)| (usual(*unit), is_across(way));
+        let order = |a: &(DVec2, f64), b: &(DVec2, f64)| {
+            let ((a, across_a), (b, across_b)) = (key(a), key(b));
+            a.total_cmp(&b).then(across_a.cmp(&across_b))
+        };
+        ways.min_by(order).unwrap_or((DVec2::ONE, 1.0))
     }
 
-    /// The map in the middle of its room.
+    /// The map at the top of its room, in the middle from left to right.
     fn placed(&self, paper: DVec2, size: DVec2, unit: f64, scale: Option<f64>) -> Placed {
         let [before, _] = self.around(paper);
         let (room, own) = (self.room(paper), size / unit);
-        let from = before + ((room - own) / 2.0).max(DVec2::ZERO);
+        let from = before + DVec2::new(((room.x - own.x) / 2.0).max(0.0), 0.0);
         Placed { paper, frame: [from, from + own], unit, scale }
     }
 }
@@ -196,6 +203,9 @@ mod tests {
         assert!(((wide.frame[1] - wide.frame[0]) - DVec2::new(360.0, 200.0)).length() < 1e-9, "{wide:?}");
         let tall = page.place(DVec2::new(3000.0, 6000.0), Some(1.0)).unwrap();
         assert_eq!((tall.paper, tall.scale), (DVec2::new(297.0, 420.0), Some(20_000.0)));
+        // Both ways give 1:50 000.
+        let nearly_square = page.place(DVec2::new(12_500.0, 9500.0), Some(1.0)).unwrap();
+        assert_eq!((nearly_square.paper.x, nearly_square.scale), (420.0, Some(50_000.0)));
         // Feet.
         let feet = page.place(DVec2::new(9000.0, 5000.0), Some(0.3048)).unwrap();
         assert_eq!(feet.scale, Some(7500.0));

@@ -57,12 +57,16 @@ fn document(out: &mut impl Write, name: &str, layers: &[Layer<'_>], unit: Elevat
     for (k, layer) in layers.iter().enumerate() {
         writeln!(out, "<Folder><name>{}</name>", escaped(layer.name))?;
         let own: BTreeSet<Look> = layer.rows.iter().map(|row| Look::of(layer, row)).collect();
+        // A single kind needs no folder of its own.
+        let [open, close] = if own.len() > 1 { ["<Folder>", "</Folder>\n"] } else { [""; 2] };
         for look in &own {
-            writeln!(out, "<Folder><name>{}</name>", look.title())?;
+            if !open.is_empty() {
+                writeln!(out, "{open}<name>{}</name>", look.title())?;
+            }
             for row in layer.rows.iter().filter(|row| Look::of(layer, row) == *look) {
                 placemark(out, (k, layer), row, look, unit)?;
             }
-            writeln!(out, "</Folder>")?;
+            write!(out, "{close}")?;
         }
         writeln!(out, "</Folder>")?;
     }
