@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 
 use geo::{BoundingRect, MultiPolygon};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use image::RgbImage;
 
 use crate::paper::{Fonts, Page, Sheet, Shown, sheet};
 use crate::preview::{Patches, Preview, Subject, map_grid, render};
 use tokosen_core::base::error::Result;
 use tokosen_core::base::{Grid, Units};
-use tokosen_core::contour::{Contour, ContourLine, Interval, Source};
+use tokosen_core::contour::{Contour, ContourLine, ContourMap, Interval, Source, clip};
 use tokosen_core::crs::{Crs, Reprojection};
 use tokosen_core::dem::compare::heights_between;
 use tokosen_core::raster::{Dem, mask, rasterise};
@@ -29,7 +29,7 @@ pub struct Scene<'a> {
     crs: Option<Crs>,
     frame: Vec<[DVec2; 2]>,
     contours: Cow<'a, [ContourLine]>,
-    break_lines: &'a [BreakLine],
+    break_lines: Cow<'a, [BreakLine]>,
     patches: Option<&'a Patches>,
     subject: Subject,
     reprojection: Option<&'a Reprojection>,
@@ -52,7 +52,7 @@ impl<'a> Scene<'a> {
             crs: surface.map.crs.clone(),
             frame: surface.frame.edges().collect(),
             contours: Cow::Borrowed(contours),
-            break_lines: &surface.break_lines,
+            break_lines: Cow::Borrowed(&surface.break_lines),
             patches: None,
             subject: Subject::Ground,
             reprojection: Some(reprojection),
@@ -78,7 +78,7 @@ impl<'a> Scene<'a> {
             crs,
             frame: subdivision.frame.edges().collect(),
             contours: Cow::Owned(contours),
-            break_lines,
+            break_lines: Cow::Borrowed(break_lines),
             patches,
             subject: Subject::BreakLines,
             reprojection: Some(reprojection),
@@ -101,7 +101,7 @@ impl<'a> Scene<'a> {
             crs: dem.crs.clone(),
             frame: Vec::new(),
             contours: Cow::Borrowed(contours),
-            break_lines: &[],
+            break_lines: Cow::Borrowed(&[]),
             patches: None,
             subject: Subject::Ground,
             reprojection: None,
@@ -110,15 +110,32 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The same of a part of the ground alone, with its border.
+    /// The same of a part of the ground alone, with its border. Contours of a surface and of a height map must end there.
     pub fn within(self, part: Option<&'a MultiPolygon<f64>>) -> Self {
-        let Some(rect) = part.and_then(BoundingRect::bounding_rect) else { return self };
+        let Some((area, rect)) = part.and_then(|part| Some((part, part.bounding_rect()?))) else { return self };
         let (lo, hi) = self.extent;
         let [least, greatest] = [rect.min(), rect.max()].map(|c| DVec2::new(c.x, c.y));
         let extent = (lo.max(least), hi.min(greatest));
         // A part beside the map has nothing to show.
         let extent = if extent.0.cmplt(extent.1).all() { extent } else { self.extent };
-        Self { extent, part, ..self }
+        let flat = |points: &[DVec3]| points.iter().map(|p| p.truncate()).collect();
+        let pieces = pieces(self.break_lines.iter().map(|line| flat(&line.points)), area);
+        let break_lines = pieces
+            .into_iter()
+            .map(|(k, points)| {
+                // Heights of break lines are not drawn.
+                BreakLine { points: points.into_iter().map(|p| p.extend(0.0)).collect(), ..self.break_lines[k] }
+            })
+            .collect();
+        let contours = match self.contours {
+            Cow::Borrowed(contours) => Cow::Borrowed(contours),
+            Cow::Owned(contours) => {
+                let pieces = self::pieces(contours.iter().map(|line| line.points.clone()), area);
+                let piece = |(k, points): (usize, Vec<DVec2>)| ContourLine { points, ..contours[k] };
+                Cow::Owned(pieces.into_iter().map(piece).collect())
+            }
+        };
+        Self { extent, part, contours, break_lines: Cow::Owned(break_lines), ..self }
     }
 
     /// The heights in cells, as far as they are shown.
@@ -132,7 +149,7 @@ impl<'a> Scene<'a> {
 
     fn preview<'b>(&'b self, dem: &'b Dem) -> Preview<'b> {
         Preview {
-            break_lines: self.break_lines,
+            break_lines: &self.break_lines,
             frame: &self.frame,
             patches: self.patches,
             subject: self.subject,
@@ -165,6 +182,13 @@ impl<'a> Scene<'a> {
         let heights = |grid: &Grid| self.shown(grid);
         sheet(&Shown { extent: self.extent, heights: &heights, preview: self.preview(&dem) }, page, fonts)
     }
+}
+
+/// The pieces of lines inside an area, each with the number of its line.
+fn pieces(lines: impl Iterator<Item = Vec<DVec2>>, area: &MultiPolygon<f64>) -> Vec<(usize, Vec<DVec2>)> {
+    let line = |(k, points): (u64, Vec<DVec2>)| Contour { elevation: 0.0, points, feature: k.into() };
+    let map = ContourMap { contours: (0..).zip(lines).map(line).collect(), ..ContourMap::default() };
+    clip(map, area).map.contours.into_iter().map(|piece| (piece.feature.number() as usize, piece.points)).collect()
 }
 
 /// A contour of the input as a line of the output.

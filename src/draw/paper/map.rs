@@ -62,6 +62,7 @@ pub(crate) fn sheet(shown: &Shown<'_>, page: &Page, fonts: &Fonts) -> Result<She
     let mut relief = render::relief(&dem, range)?;
     if let Some(areas) = input.patches {
         patches::draw(&mut relief, &fine, areas);
+        render::blank(&mut relief, &dem, input.outline);
     }
     let to = placed.frame[0] + DVec2::new(fine.cols as f64, fine.rows as f64) / fineness;
     let mut map = vec![Shape::Picture { from: placed.frame[0], to, image: image_of(&relief) }];

@@ -96,12 +96,15 @@ fn text_of(text: &Text) -> maud::Markup {
         None => (at.y, None),
     };
     let x = if turn.is_some() { 0.0 } else { at.x };
-    let halo = (*rim > 0.0).then(|| {
-        format!("paint-order:stroke;stroke:{};stroke-width:{};stroke-linejoin:round", hex(PAPER), number(2.0 * rim))
-    });
+    // A light text below the text: not all programs can draw the outline of a text first.
+    let halo = format!("stroke:{0};stroke-width:{1};stroke-linejoin:round", hex(PAPER), number(2.0 * rim));
     html! {
+        @if *rim > 0.0 {
+            text x=(number(x)) y=(number(y)) font-size=(number(*size)) fill=(hex(PAPER)) text-anchor=(anchor)
+                transform=[&turned] style=(halo) aria-hidden="true" { (text) }
+        }
         text x=(number(x)) y=(number(y)) font-size=(number(*size)) fill=(hex(*color)) text-anchor=(anchor)
-            transform=[turned] style=[halo] { (text) }
+            transform=[&turned] { (text) }
     }
 }
 

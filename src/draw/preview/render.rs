@@ -47,6 +47,7 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let mut map = relief(input.dem, range)?;
     if let Some(patches) = input.patches {
         patches::draw(&mut map, &grid, patches);
+        blank(&mut map, input.dem, input.outline);
     }
     let covered = input.dem.values.iter().filter(|v| v.is_finite()).count();
     let plan = plan(input.contours, &grid);
@@ -79,6 +80,15 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let ticks = coordinates(input, size, grid.cell.x, grid.corner);
     margin::draw(&mut sheet, corner, (grid.cols, grid.rows), &ticks, &setter);
     Ok(image_of(&sheet))
+}
+
+/// Turns what was drawn outside of a part into paper again.
+pub(crate) fn blank(map: &mut Pixmap, dem: &Dem, part: Option<&MultiPolygon<f64>>) {
+    if part.is_some() {
+        let [r, g, b] = PAPER;
+        let pixels = map.data_mut().chunks_exact_mut(4).zip(&dem.values).filter(|(_, height)| height.is_nan());
+        pixels.for_each(|(pixel, _)| pixel.copy_from_slice(&[r, g, b, 255]));
+    }
 }
 
 /// Draws the border of a part.
