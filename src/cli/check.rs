@@ -81,7 +81,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     sea.into_iter().for_each(|level| input.expect_level(level));
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
-    let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
+    let back = args.to_crs.way(args.output.as_deref(), &input.reprojection, args.to_unit.unit())?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
     args.water.check()?;

@@ -121,7 +121,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     };
     let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
-    let back = args.levels.to_crs.way(&reprojection, unit)?;
+    let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
     let params = ContourParams {
         targets,
         unit,

@@ -119,7 +119,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
-    let back = args.levels.to_crs.way(&input.reprojection, unit)?;
+    let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let params = LayerParams {

@@ -65,7 +65,7 @@ pub fn run(args: &JoinArgs, console: &Console) -> Result<(), Failure> {
     let mut about = Input::default();
     about.reprojection.clone_from(&joined.reprojection);
     console.set_input(&about);
-    let back = args.to_crs.way(&joined.reprojection, unit)?;
+    let back = args.to_crs.way(args.output.as_deref(), &joined.reprojection, unit)?;
     let written = match &lines {
         Some(staged) => console.step("writing", || {
             write_layers_back(staged, &output_layers(&joined.layers, None, &names, &back), &back)

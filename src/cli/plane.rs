@@ -25,8 +25,7 @@ pub struct ToCrsArgs {
 impl ToCrsArgs {
     /// Refuses another system than that of KML for a KML.
     pub fn check(&self, output: &Path) -> Result<(), Failure> {
-        let is_kml = matches!(VectorFormat::from_path(output), Ok(VectorFormat::Kml));
-        match self.to_crs.as_ref().filter(|crs| is_kml && crs.epsg != Some(WGS84)) {
+        match self.to_crs.as_ref().filter(|crs| is_kml(output) && crs.epsg != Some(WGS84)) {
             Some(_) => {
                 Err(Failure::Usage(format!("{}: KML is always in WGS 84: leave out --to-crs", output.display())))
             }
@@ -34,10 +33,22 @@ impl ToCrsArgs {
         }
     }
 
-    /// The conversion from the working plane to the output, with heights in `unit` there.
-    pub fn way(&self, reprojection: &Reprojection, unit: ElevationUnit) -> Result<FromWorking, Failure> {
-        Ok(reprojection.from_working(self.to_crs.as_ref())?.with_heights_in(unit))
+    /// The conversion from the working plane to the output, with heights in `unit` there. A KML is refused now, not after the
+    /// work, if nobody knows where the map lies.
+    pub fn way(
+        &self,
+        output: Option<&Path>,
+        reprojection: &Reprojection,
+        unit: ElevationUnit,
+    ) -> Result<FromWorking, Failure> {
+        let back = reprojection.from_working(self.to_crs.as_ref())?.with_heights_in(unit);
+        output.filter(|output| is_kml(output)).map(|_| back.to(&Crs::from_epsg(WGS84))).transpose()?;
+        Ok(back)
     }
+}
+
+fn is_kml(output: &Path) -> bool {
+    matches!(VectorFormat::from_path(output), Ok(VectorFormat::Kml))
 }
 
 /// The coordinates of the cells of a height map.

@@ -71,7 +71,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
     args.water.check()?;
     features::add(args.water.sources(), &mut input)?;
-    let back = args.to_crs.way(&input.reprojection, unit)?;
+    let back = args.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let (subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
     let mut layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);

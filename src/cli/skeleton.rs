@@ -92,7 +92,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let unit = args.to_unit.unit();
     let sea = args.water.sea_in_metres(unit);
     let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
-    let back = args.to_crs.way(&input.reprojection, unit)?;
+    let back = args.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     args.water.check()?;
     features::add(lines, &mut input)?;
     let (mut subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;

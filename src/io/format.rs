@@ -53,6 +53,8 @@ pub(super) enum InputFormat {
     GeoJsonSequence,
     /// `.gml`
     Gml,
+    /// LandXML `.xml`. Other documents are 基盤地図情報
+    LandXml,
     /// `.csv`, `.tsv` with geometries as well-known text
     Text,
     /// `.zip` with a shapefile in it, also called `.shp.zip`
@@ -72,14 +74,15 @@ impl InputFormat {
         match extension.as_str() {
             "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" => Ok(Self::GeoJsonSequence),
             "gml" => Ok(Self::Gml),
+            "xml" => Ok(Self::LandXml),
             "csv" | "tsv" => Ok(Self::Text),
             "zip" => Ok(Self::ZippedShapefile),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is read; known are .geojson and .json (GeoJSON), \
                  .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF), .shp (shapefile; also in a .zip), .geojsonl and .geojsons \
-                 (GeoJSON text sequence), .kml and .kmz (KML), .gml (GML), .csv and .tsv (well-known text); folders, .zip and \
-                 .xml are read as 基盤地図情報. Convert other formats with 'ogr2ogr out.gpkg FILE'",
+                 (GeoJSON text sequence), .kml and .kmz (KML), .gml (GML), .xml (LandXML), .csv and .tsv (well-known text); \
+                 folders, .zip and other .xml are read as 基盤地図情報. Convert other formats with 'ogr2ogr out.gpkg FILE'",
             )),
         }
     }

@@ -28,6 +28,7 @@ mod gpkg;
 pub mod gsi;
 mod in_memory;
 mod kml;
+mod landxml;
 pub mod layer;
 mod lines;
 mod maker;
@@ -240,6 +241,7 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         InputFormat::GeoJsonSequence => geojson::read_sequence(path, &request),
         InputFormat::Written(VectorFormat::Kml) => kml::read(path, &request),
         InputFormat::Gml => gml::read(path, &request),
+        InputFormat::LandXml => landxml::read(path, &request),
         InputFormat::Text => text_points::read(path, &request),
         InputFormat::ZippedShapefile => zipped::read_shapefile(path, &request),
     }

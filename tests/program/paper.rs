@@ -40,21 +40,21 @@ fn streams(pdf: &[u8]) -> Vec<Vec<u8>> {
 fn a_map_has_its_scale_title_and_source_as_text() {
     let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
     let said = folder.succeeds(&format!(
-        "densify in.gpkg -i 10 -o out.gpkg --preview map.svg --scale 1:10000 --paper A4 --title Caryville --source USGS {PART}"
+        "densify in.gpkg -i 10 -o out.gpkg --preview map.svg --scale 1:12500 --paper A4 --title Caryville --source USGS {PART}"
     ));
-    assert!(said.contains("map.svg (297 x 210 mm, 1:10000)"), "{said}");
+    assert!(said.contains("map.svg (297 x 210 mm, 1:12500)"), "{said}");
     let svg = fs::read_to_string(folder.path("map.svg")).unwrap();
     assert!(svg.contains("<!-- made by tokosen -->") && svg.contains("width=\"297mm\""));
     for text in
-        [">Caryville</text>", ">USGS</text>", ">1:10 000</text>", "Contours every 10 m, from contours every 20 m"]
+        [">Caryville</text>", ">USGS</text>", ">1:12 500</text>", "Contours every 10 m, from contours every 20 m"]
     {
         assert!(svg.contains(text), "{text}");
     }
-    // 2000 m at this scale are 200 mm.
-    assert!((width_of_map(&svg) - 200.0).abs() < 0.5, "{}", width_of_map(&svg));
+    // 2000 m at this scale are 160 mm.
+    assert!((width_of_map(&svg) - 160.0).abs() < 0.5, "{}", width_of_map(&svg));
     // It may be replaced by another map.
     let said = folder.succeeds(&format!("dem in.gpkg --cell 50 -o dem.tif --preview map.svg {PART}"));
-    assert!(said.contains("map.svg (420 x 297 mm, 1:10000)") || said.contains("mm, 1:"), "{said}");
+    assert!(said.contains("map.svg (420 x 297 mm, 1:7500)"), "{said}");
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_pdf_has_lines_and_text_in_an_embedded_font() {
     assert!(pdf.starts_with(b"%PDF-1."));
     let text = String::from_utf8_lossy(&pdf).into_owned();
     for part in
-        ["/Producer (tokosen)", "/Title (Caryville)", "/FontFile2", "/ToUnicode", "/MediaBox [0 0 841.89 595.28]"]
+        ["/Producer (tokosen)", "/Title (Caryville)", "/FontFile2", "/ToUnicode", "/MediaBox [0 0 1190.55 841.89]"]
     {
         assert!(text.contains(part), "{part}");
     }

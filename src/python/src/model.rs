@@ -17,12 +17,14 @@ use crate::layer::crs_text;
 #[pyclass(frozen, module = "tokosen._tokosen")]
 pub struct Model(pub Mesh);
 
-/// What a model consists of: origin, vertices, normals, triangles, height of the bottom, CRS, name and size of the unit.
+/// What a model consists of: origin, vertices, normals, triangles, break lines, height of the bottom, CRS, name and size of the
+/// unit.
 type State<'py> = (
     [f64; 3],
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray2<u32>>,
+    Vec<Vec<[f64; 3]>>,
     Option<f64>,
     Option<String>,
     Option<(String, f64)>,
@@ -33,7 +35,7 @@ impl Model {
     /// A model from what [`Model::state`] gave.
     #[staticmethod]
     fn restore(py: Python<'_>, state: State<'_>) -> PyResult<Self> {
-        let (origin, vertices, normals, triangles, base, crs, unit) = state;
+        let (origin, vertices, normals, triangles, break_lines, base, crs, unit) = state;
         let crs = crate::source::crs(py, crs.as_deref())?;
         let unit = unit.map(|(name, metres)| LengthUnit { name, metres });
         let mesh = Mesh {
@@ -41,6 +43,7 @@ impl Model {
             vertices: rows(&vertices)?.into_iter().map(DVec3::from).collect(),
             normals: rows(&normals)?.into_iter().map(Vec3::from).collect(),
             triangles: rows(&triangles)?,
+            break_lines: break_lines.into_iter().map(|line| line.into_iter().map(DVec3::from).collect()).collect(),
             base,
             crs,
             unit,
@@ -54,12 +57,13 @@ impl Model {
 
     /// What the model consists of, for pickle.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<State<'py>> {
-        let Mesh { origin, vertices, normals, base, crs, unit, .. } = &self.0;
+        let Mesh { origin, vertices, normals, break_lines, base, crs, unit, .. } = &self.0;
         Ok((
             origin.to_array(),
             PyArray1::from_iter(py, vertices.iter().flat_map(|v| v.to_array())).reshape([vertices.len(), 3])?,
             PyArray1::from_iter(py, normals.iter().flat_map(|v| v.to_array())).reshape([normals.len(), 3])?,
             self.triangles(py)?,
+            break_lines.iter().map(|line| line.iter().map(|p| p.to_array()).collect()).collect(),
             *base,
             crs.as_ref().and_then(crs_text),
             unit.as_ref().map(|unit| (unit.name.clone(), unit.metres)),
