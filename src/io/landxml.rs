@@ -15,7 +15,8 @@ use super::table::{Feature, Purpose, Request, Spot, Table};
 use super::xml::{Step, Xml};
 use crate::ordinary::open_to_read;
 use tokosen_core::base::error::{Error, Result};
-use tokosen_core::base::memory;
+use tokosen_core::base::{ElevationUnit, memory};
+use tokosen_core::contour::UnitHint;
 use tokosen_core::crs::{Crs, LengthUnit};
 use tokosen_core::features::Role;
 
@@ -152,7 +153,7 @@ fn positions(text: &str, size: usize) -> Result<(Vec<DVec2>, Vec<f64>), String> 
     Ok((places, heights))
 }
 
-/// Notes the unit of lengths. Elevations are in it too.
+/// Notes the unit of lengths. Elevations should be in it too.
 fn units(xml: &Xml<'_, '_>, table: &mut Table) -> Result<()> {
     let (name, metres) = match xml.attribute("linearUnit") {
         None | Some("meter") => return Ok(()),
@@ -163,6 +164,10 @@ fn units(xml: &Xml<'_, '_>, table: &mut Table) -> Result<()> {
         Some("kilometer") => ("kilometre", 1e3),
         Some(other) => return Err(xml.error(format!("its linear unit {other} is not known here"))),
     };
+    if ElevationUnit::of_size(metres).is_some() {
+        let says = format!("the file states lengths in the unit {name}, so elevations seem to be in feet");
+        table.unit_hint = Some(UnitHint { says, is_feet: true });
+    }
     table.plane_unit = Some(LengthUnit { name: name.to_owned(), metres });
     Ok(())
 }
@@ -220,5 +225,6 @@ mod tests {
         assert!(wrong("</LandXML>", "").contains("end"));
         let feet = table(&TEXT.replace("\"meter\"", "\"foot\""), Purpose::Contours).unwrap();
         assert_eq!(feet.plane_unit.map(|unit| unit.metres), Some(0.3048));
+        assert!(feet.unit_hint.is_some_and(|hint| hint.is_feet));
     }
 }

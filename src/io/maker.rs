@@ -35,6 +35,7 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["obj"], b"# tokosen\n"),
     (&["ply"], b"\ncomment tokosen\n"),
     (&["xml"], b"<Application name=\"tokosen\""),
+    (&["pdf"], b"/Producer (tokosen)"),
     (&["svg", "kml"], b"<!-- made by tokosen -->"),
     (&["html", "htm"], b"<meta name=\"generator\" content=\"tokosen\">"),
 ];

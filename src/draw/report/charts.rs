@@ -124,14 +124,15 @@ pub(super) fn profile(profile: &Profile, unit: ElevationUnit) -> Result<String> 
 }
 
 /// Heights modulo the contour interval, of one side or both.
-pub(super) fn levels(a: Option<&LevelHistogram>, b: Option<&LevelHistogram>) -> Result<String> {
+pub(super) fn levels(a: Option<&LevelHistogram>, b: Option<&LevelHistogram>, unit: ElevationUnit) -> Result<String> {
     let interval = a.or(b).map_or(1.0, |h| h.interval);
     let sides = [(a, A), (b, B)].into_iter().filter_map(|(side, color)| Some((side?, color)));
     let sides: Vec<_> = sides.filter(|(side, _)| side.interval == interval).collect();
+    let interval = unit.about(interval);
     let top = sides.iter().flat_map(|(side, _)| &side.shares).fold(0.06, |top: f64, &s| top.max(s)) * 108.0;
     draw(|root| {
         let mut chart = frame(&root)?.build_cartesian_2d(0.0..interval, 0.0..top)?;
-        mesh(&mut chart, "height above the level [m]", "cells [%]")?;
+        mesh(&mut chart, &format!("height above the level [{}]", unit.symbol()), "cells [%]")?;
         chart.draw_series(LineSeries::new([(0.0, 5.0), (interval, 5.0)], BLACK.mix(0.5)))?;
         for (side, color) in &sides {
             let width = interval / side.shares.len() as f64;

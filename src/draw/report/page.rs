@@ -70,7 +70,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let [view, half] = [Width::Page, Width::Half].map(|width| View::new(&shown, b, metres_per_unit, width));
     let levels = match (&found.a.levels, &found.b.levels) {
         (None, None) => None,
-        (a, b) => Some(charts::levels(a.as_ref(), b.as_ref())?),
+        (a, b) => Some(charts::levels(a.as_ref(), b.as_ref(), found.unit)?),
     };
     let chart = |svg: String, caption: Markup| {
         html! { figure { (PreEscaped(svg)) figcaption { (caption) } } }
