@@ -99,7 +99,7 @@ mod tests {
         std::fs::write(&path, b"no font").unwrap();
         let mut found = Vec::new();
         collect(folder.path(), DEPTH, &mut found);
-        assert_eq!(found, [path.clone()]);
+        assert_eq!(found, std::slice::from_ref(&path));
         assert_eq!(read_font(&path).unwrap(), b"no font");
         assert!(read_font(&folder.path().join("missing.ttf")).is_err());
     }

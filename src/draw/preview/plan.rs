@@ -133,7 +133,7 @@ pub(crate) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
         let (room, share) = INTERPOLATED_ROOM;
         let kept = |every: u32| new.thinned(every);
         let fits = |every: &u32| kept(*every).area_with_room(&drawn.and(&kept(*every)), room) >= share;
-        let widest = (1..=MOST_PARTS).filter(even).next_back();
+        let widest = (1..=MOST_PARTS).rfind(even);
         let has_some = |every: &u32| kept(*every).area_with_room(&drawn.and(&kept(*every)), room) >= SOME_ROOM;
         let every = (1..=MOST_PARTS).filter(even).find(fits).or(widest.filter(has_some));
         let larger = widest.map(|every| (room / drawn.and(&kept(every)).spacing()).ceil());
