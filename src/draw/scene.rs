@@ -163,7 +163,7 @@ impl<'a> Scene<'a> {
     /// The picture.
     ///
     /// # Errors
-    /// As [`map_grid`] and [`render`].
+    /// As [`map_grid`] and [`render`](fn@render).
     pub fn image(&self) -> Result<RgbImage> {
         let (lo, hi) = self.extent;
         render(&self.preview(&self.shown(&map_grid(lo, hi)?)))

@@ -22,7 +22,7 @@ impl Sheet {
     /// The sheet as a PDF with these fonts.
     ///
     /// # Errors
-    /// [`Error::Data`] if a font cannot be embedded.
+    /// If a font cannot be embedded.
     pub fn pdf(&self, fonts: &Fonts) -> Result<Vec<u8>> {
         let mut pdf = Pdf::new();
         let [info, catalog, pages, page, content] = [1, 2, 3, 4, 5].map(Ref::new);
