@@ -47,7 +47,7 @@ pub struct CheckArgs {
     #[command(flatten, next_help_heading = "Lines and water to compare")]
     break_lines: BreakLineArgs,
     /// Findings to write, as points: .gpkg, .geojson or .parquet. With --repair: the repaired contours, as .geojson, .gpkg, .fgb,
-    /// .parquet, .dxf or .shp; only a GeoPackage also holds the spot heights
+    /// .dxf, .shp, .kml or .kmz; only a GeoPackage also holds the spot heights
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Print the findings as JSON
@@ -81,7 +81,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     sea.into_iter().for_each(|level| input.expect_level(level));
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
-    let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
+    let back = args.to_crs.way(args.output.as_deref(), &input.reprojection, args.to_unit.unit())?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
     args.water.check()?;
@@ -95,7 +95,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     if let Some(staged) = &staged {
         console.step("writing", || match &map {
             Some(map) => write_layers_back(staged, &of_repaired(map, staged.target()), &back),
-            None => write_layers_back(staged, &[of_findings(findings)], &back),
+            None => write_layers_back(staged, &[of_findings(findings, &back)], &back),
         })?;
     }
     if args.json {
@@ -158,11 +158,12 @@ impl CheckArgs {
         };
         if !known {
             let kinds = match self.writes_map() {
-                true => "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp",
+                true => "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz",
                 false => "findings are written as .gpkg, .geojson or .parquet",
             };
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }
+        self.to_crs.check(path)?;
         let layers: &[&str] = if self.writes_map() { &REPAIRED_LAYERS } else { &[FINDINGS_LAYER] };
         console.check_paths(&inputs, &[PlannedOutput { path, layers }])?;
         Ok(Some(StagedOutput::create(path)?))

@@ -6,10 +6,11 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
+use glam::DVec2;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tokosen::Input;
 use tokosen::base::Units;
-use tokosen::base::error::{Error, Finding};
+use tokosen::base::error::{Error, Finding, Proposal};
 use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
 use tokosen::io::{PlannedOutput, check_paths};
@@ -131,6 +132,11 @@ impl Console {
         self.units.get().copied().unwrap_or(Units::METRES)
     }
 
+    /// The units of errors that stop the run.
+    pub fn error_units(&self) -> Units {
+        self.units.get().copied().unwrap_or(Units::METRES_ON_ANY_PLANE)
+    }
+
     /// Whether --unit applies to the run.
     pub fn takes_unit(&self) -> TakesUnit {
         let reads_heights = self.units.get().is_some() || self.flags.first(&["--points"]).is_some();
@@ -144,14 +150,27 @@ impl Console {
 
     /// The text of a finding, with its place in the input's coordinates.
     pub fn text_of(&self, finding: &Finding) -> String {
-        let Some(reprojection) = self.reprojection().filter(|reprojection| !reprojection.are_unmoved()) else {
-            return finding.to_string();
-        };
-        let decimals = if reprojection.input_crs().is_some_and(|crs| crs.is_geographic()) { 7 } else { 3 };
-        match finding.place.and_then(|p| reprojection.in_input(p)) {
-            Some(p) => format!("{} at {:.decimals$} {:.decimals$}", finding.message, p.x, p.y),
-            None => finding.message.clone(),
+        // Findings about inputs are in their units already. Some have all digits of a calculation.
+        let message = Units::METRES_ON_ANY_PLANE.message(&finding.message);
+        match finding.place.and_then(|p| self.place_in_words(p)) {
+            Some(place) => format!("{message} at {place}"),
+            None => message,
         }
+    }
+
+    /// A proposal, with its places in the input's coordinates and its heights in the input's unit.
+    pub fn text_of_proposal(&self, proposal: &Proposal) -> String {
+        let place = |p| self.place_in_words(p).unwrap_or_else(|| "a place outside the map".into());
+        self.units().message(&proposal.in_words(place))
+    }
+
+    /// A place of the working plane in the input's coordinates.
+    fn place_in_words(&self, place: DVec2) -> Option<String> {
+        let moved = self.reprojection().filter(|reprojection| !reprojection.are_unmoved());
+        let place = moved.map_or(Some(place), |reprojection| reprojection.in_input(place))?;
+        let in_degrees = moved.and_then(|reprojection| reprojection.input_crs()).is_some_and(|crs| crs.is_geographic());
+        let decimals = if in_degrees { 7 } else { 3 };
+        Some(format!("{:.decimals$} {:.decimals$}", place.x, place.y))
     }
 
     /// One line of the summary, on standard output.

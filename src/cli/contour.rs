@@ -1,7 +1,7 @@
 //! `tokosen contour`: a height map in, contour lines out.
 
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use geo::MultiPolygon;
@@ -9,17 +9,17 @@ use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
-use tokosen::draw::preview::height_map_picture;
-use tokosen::io::raster::{read_dem, write_picture};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, VectorSource, content, write_layers_back};
+use tokosen::draw::Scene;
+use tokosen::io::raster::read_dem;
+use tokosen::io::{Content, PlannedOutput, VectorSource, content, write_layers_back};
 use tokosen::raster::Dem;
 use tokosen::terrain::read_area_on;
 
 use super::console::Console;
 use super::failure::Failure;
 use super::levels::{LevelsArgs, output_layers};
-use super::output;
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing, PictureArgs};
 use super::source::source;
 use super::unit::in_units;
 use super::viewer::{ViewerArgs, title};
@@ -51,7 +51,7 @@ pub struct ContourArgs {
     /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
     crs: Option<Crs>,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz. With several intervals, a GeoPackage gets one layer
     /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
@@ -66,9 +66,8 @@ pub struct ContourArgs {
     /// contour of the smoothed heights. The summary states the changes of the heights
     #[arg(long, value_name = "DEVIATION", help_heading = "Output")]
     smooth: Option<f64>,
-    /// Also draw a picture of the height map and the lines: .png
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Output")]
     viewer: ViewerArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
@@ -107,7 +106,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let staged = tiles::open(&args.output)?;
     let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
     let attribution = args.viewer.attribution.as_deref();
-    let picture = args.preview.as_deref().map(StagedOutput::create).transpose()?;
+    let mut picture = Asked::Map(&args.picture).open(&console.flags)?;
 
     console.plan(["reading"]);
     console.plan(args.smooth.map(|_| "smoothing"));
@@ -128,7 +127,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     };
     let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
-    let back = args.levels.to_crs.way(&reprojection, unit)?;
+    let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
     let params = ContourParams {
         targets,
         unit,
@@ -157,8 +156,11 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             write_layers_back(&staged, &all, &back)
         })?,
     };
-    if let Some(staged) = &picture {
-        console.step("drawing", || draw(staged, &shown, &found, unit))?;
+    if let Some(picture) = &mut picture {
+        let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
+        let lines = finest.map_or(&[][..], |layer| &layer.lines);
+        let scene = Scene::of_height_map(&shown, lines, Units::all(unit)).within(part.as_ref());
+        picture.draw(&Drawing::Map(scene), console)?;
     }
 
     summary::findings(&findings, console);
@@ -182,9 +184,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         }
     }
     viewer.map(|viewer| viewer.commit(console)).transpose()?;
-    if let Some(picture) = picture {
-        console.say(&format!("written    {}", picture.commit()?.display()));
-    }
+    picture.map(|picture| picture.commit(console)).transpose()?;
     summary::close(findings.len(), console);
     Ok(())
 }
@@ -200,13 +200,12 @@ impl ContourArgs {
         }
         tiles::check(&self.output, &self.levels)?;
         self.viewer.check(&[&self.output])?;
-        self.preview.as_deref().map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         let files = tiles::files(&self.output, layers)?;
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
-        let outputs: Vec<PlannedOutput<'_>> = contours
-            .chain([&self.preview, &self.viewer.viewer].into_iter().flatten().map(|path| path.as_path().into()))
-            .collect();
+        let others = [&self.picture.preview, &self.viewer.viewer].into_iter().flatten();
+        let outputs: Vec<PlannedOutput<'_>> = contours.chain(others.map(|path| path.as_path().into())).collect();
         let areas = self.part.file().into_iter().chain(self.frame.iter().map(|source| source.path.as_path()));
+        let areas = areas.chain(Asked::Map(&self.picture).font());
         console.check_paths(&[self.dem.as_path()].into_iter().chain(areas).collect::<Vec<_>>(), &outputs)?;
         if content(&self.dem)? == Content::Contours {
             let message = "holds contour lines, not heights; 'tokosen densify' makes denser contours of them, 'tokosen dem' a \
@@ -251,13 +250,6 @@ impl ContourArgs {
 fn shown(dem: &Dem, part: &MultiPolygon<f64>) -> Dem {
     let around = dem.around(part);
     around.clone().inside(part).unwrap_or(around)
-}
-
-fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours, unit: ElevationUnit) -> Result<(), Error> {
-    let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
-    let picture = height_map_picture(dem, finest.map_or(&[], |layer| &layer.lines), Units::all(unit))?;
-    let path: &Path = &staged.path();
-    write_picture(path, &picture).map_err(|e| staged.with_final_name(e))
 }
 
 /// Why a layer has no line. `levels` are those from the lowest to the highest height.

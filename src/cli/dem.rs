@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::Options;
 use tokosen::base::error::Report;
-use tokosen::draw::preview::picture;
+use tokosen::draw::Scene;
 use tokosen::surface::Triangles;
 
 use super::base::{self, BaseArgs};
@@ -16,6 +16,7 @@ use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing, PictureArgs};
 use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, SurfaceArgs};
@@ -47,9 +48,8 @@ pub struct DemArgs {
     to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
-    /// Also draw a picture of the surface and the contours: .png
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Output")]
     viewer: ViewerArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
@@ -85,7 +85,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let inputs = others.into_iter().flatten().chain(args.surface.files());
     let outputs = args.output.iter().chain(&args.viewer.viewer).map(|path| path.as_path().into());
     let outputs = outputs.chain(args.diagnostics.planned());
-    let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
+    let mut job = Job::start(&args.input, inputs, outputs, Asked::Map(&args.picture), console)?;
     console.plan(["writing"]);
     let diagnostics = args.diagnostics.open()?;
     let viewer = args.viewer.open(&paths, &args.input.map.title())?;
@@ -120,7 +120,11 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let pits = first.map(|(map, grid)| terrain.pits_of(&map.map.dem, grid)).transpose()?;
     diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
     let units = args.to_unit.drawn(console.units());
-    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection, units))?;
+    if job.draws() {
+        let lines = terrain.input_contours()?.lines;
+        let scene = Scene::of_surface(&terrain.surface, &lines, &terrain.reprojection, units);
+        job.draw(&Drawing::Map(scene.within(terrain.part())))?;
+    }
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);

@@ -8,7 +8,7 @@ use tokosen::base::{ElevationUnit, Units};
 use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;
-use tokosen::draw::preview::picture;
+use tokosen::draw::Scene;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, write_layers_back};
 use tokosen::layers::{LayerParams, are_given};
 use tokosen::surface::{SurfaceKind, Triangles, working_pits};
@@ -25,6 +25,7 @@ use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
 use super::output::{ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing, PictureArgs};
 use super::summary;
 use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
 use super::terrain_tiles::ABOUT_TILES;
@@ -47,7 +48,7 @@ use super::viewer::ViewerArgs;
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz. With several intervals, a GeoPackage gets one layer
     /// per interval; other formats get one file per interval. Or map tiles: .pmtiles, .mbtiles or 'FOLDER/{z}/{x}/{y}.pbf'
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
@@ -73,9 +74,8 @@ pub struct DensifyArgs {
     /// Also write a report of that comparison, with maps, charts and tables: .html
     #[arg(long, value_name = "FILE", requires = "compare", help_heading = "Output", hide_short_help = true)]
     report: Option<PathBuf>,
-    /// Also draw a picture of the surface and the lines: .png
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Output")]
     viewer: ViewerArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
@@ -107,7 +107,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = tiles::files(&args.output, &names)?;
-    let job = args.start(&files, &names, console)?;
+    let mut job = args.start(&files, &names, console)?;
     console.plan(["slicing", "writing"]);
     let staged = tiles::open(&args.output)?;
     let viewer = args.viewer.open(&args.maps(), &args.input.map.title())?;
@@ -125,7 +125,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
-    let back = args.levels.to_crs.way(&input.reprojection, unit)?;
+    let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let params = LayerParams {
@@ -170,7 +170,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
-    job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection, Units::all(unit)))?;
+    let scene = Scene::of_surface(&terrain.surface, finest(&layers), &terrain.reprojection, Units::all(unit));
+    job.draw(&Drawing::Map(scene.within(terrain.part())))?;
 
     let findings = std::mem::take(&mut terrain.findings);
     job.report(&findings, &terrain.surface.map);
@@ -232,7 +233,7 @@ impl Reference {
         console.say("");
         let side = Side::of_terrain(Path::new(&args.input.map.name()), args.surface.surface.kind(), terrain);
         let pair = Pair::on(side, self.side, nodes, console)?;
-        let found = measure(&pair, &MeasureOptions::default(), console)?;
+        let found = measure(&pair, &MeasureOptions { unit: pair.unit(), ..MeasureOptions::default() }, console)?;
         if let Some(page) = self.page {
             draw(&page, &pair, &found, console)?;
             console.say(&format!("written    {}", page.commit()?.display()));
@@ -264,8 +265,8 @@ impl DensifyArgs {
 
     /// Whether only lines are asked for, and the input has its own at all their levels. Where it has no gaps, no surface is needed.
     fn wants_lines_of_input(&self, input: &Input, targets: &[Target], unit: ElevationUnit) -> Result<bool, Failure> {
-        let Self { dem, compare, preview, surface, .. } = self;
-        let wants_more = [dem, compare, preview].into_iter().any(Option::is_some);
+        let Self { dem, compare, picture, surface, .. } = self;
+        let wants_more = [dem, compare, &picture.preview].into_iter().any(Option::is_some);
         let has_features = surface.files().next().is_some() || surface.water.sea.is_some();
         let is_plain = !wants_more && !has_features && !self.height_map.uncertainty;
         Ok(is_plain && surface.surface == KindArg::Spline && are_given(&input.map, targets, unit)?)
@@ -280,7 +281,7 @@ impl DensifyArgs {
         );
         let outputs = outputs.chain(self.diagnostics.planned());
         let inputs = others.chain(self.surface.files()).chain(self.part.file());
-        Job::start(&self.input, inputs, outputs, self.preview.as_deref(), console)
+        Job::start(&self.input, inputs, outputs, Asked::Map(&self.picture), console)
     }
 
     /// Says that contours of the input are left out, if they are.

@@ -74,7 +74,7 @@ pub struct DeriveArgs {
     flow: FlowArgs,
     #[command(flatten, next_help_heading = "Output")]
     cog: CogArgs,
-    /// Steep places as areas: .gpkg, .geojson or .shp
+    /// Steep places as areas: .gpkg, .geojson, .shp, .kml or .kmz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     steep: Option<PathBuf>,
     /// Minimum slope of a steep place [degrees]
@@ -236,7 +236,7 @@ impl DeriveArgs {
             return Err(Failure::Usage(message));
         }
         if let Some(path) = &self.steep {
-            output::check_vector(path, "steep places are written as .gpkg, .geojson or .shp")?;
+            output::check_vector(path, "steep places are written as .gpkg, .geojson, .shp, .kml or .kmz")?;
         }
         self.flow.check()?;
         self.cog.check(self.rasters())?;

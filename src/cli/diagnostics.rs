@@ -50,7 +50,7 @@ impl Diagnostics {
             pit_points(pits),
             stream_lines(&terrain.surface.streams),
             break_lines(&terrain.surface.creases),
-            of_conflicts(&terrain.findings),
+            of_conflicts(&terrain.findings, &back),
         ];
         write_layers_back(&self.0, &layers, &back)?;
         Ok(())

@@ -42,14 +42,14 @@ pub struct FlowArgs {
         hide_short_help = true
     )]
     pub accumulation_unit: UnitOfArea,
-    /// Catchments, one for each outlet: polygons (.gpkg, .geojson or .shp), or their numbers (.tif, .exr, .png, .asc or
+    /// Catchments, one for each outlet: polygons (.gpkg, .geojson, .shp, .kml or .kmz), or their numbers (.tif, .exr, .png, .asc or
     /// .xyz)
     #[arg(long, value_name = "FILE")]
     pub catchments: Option<PathBuf>,
     #[command(flatten)]
     pub outlets: OutletArgs,
     /// Streams as lines with heights, where at least --threshold drains through a cell, with Strahler order, length, fall and
-    /// upstream area: .gpkg, .geojson, .shp, .fgb, .parquet or .dxf
+    /// upstream area: .gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml or .kmz
     #[arg(long, value_name = "FILE", requires = "threshold")]
     pub stream_lines: Option<PathBuf>,
     /// Upstream area from which on there is a stream, for --stream-lines and --flood-level +H [square metres]
@@ -104,11 +104,11 @@ struct Ground<'a> {
 impl FlowArgs {
     /// Refuses files of kinds that do not fit, and arguments that contradict each other.
     pub fn check(&self) -> Result<(), Failure> {
-        let kinds = "catchments are written as .gpkg, .geojson or .shp, or as a raster: .tif, .exr, .png, .asc or .xyz";
+        let kinds = "catchments are written as .gpkg, .geojson, .shp, .kml or .kmz, or as a raster: .tif, .exr, .png, .asc or .xyz";
         let areas = self.catchments.as_deref().filter(|path| !is_raster(path));
         areas.map_or(Ok(()), |path| check_vector(path, kinds))?;
         if let Some(path) = &self.stream_lines {
-            check_vector(path, "streams are written as .gpkg, .geojson, .shp, .fgb, .parquet or .dxf")?;
+            check_vector(path, "streams are written as .gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml or .kmz")?;
         }
         self.outlets.check()?;
         self.flood.check()?;

@@ -4,12 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use geo::MultiPolygon;
-use image::RgbImage;
 use tokosen::base::ElevationUnit;
-use tokosen::base::error::{Error, Finding};
+use tokosen::base::error::Finding;
 use tokosen::contour::ContourMap;
-use tokosen::io::raster::write_picture;
-use tokosen::io::{PlannedOutput, StagedOutput};
+use tokosen::io::PlannedOutput;
 use tokosen::subdivision::Subdivision;
 use tokosen::terrain::all_right;
 use tokosen::{Input, Options, Terrain};
@@ -18,14 +16,15 @@ use super::console::Console;
 use super::failure::Failure;
 use super::features::WaterArgs;
 use super::input::{InputArgs, Scope};
+use super::picture::{Asked, Drawing, Picture};
+use super::summary;
 use super::surface::SurfaceArgs;
-use super::{output, summary};
 
 /// One run of a verb that reads contours.
 pub struct Job<'a> {
     console: &'a Console,
     args: &'a InputArgs,
-    picture: Option<StagedOutput>,
+    picture: Option<Picture>,
 }
 
 impl<'a> Job<'a> {
@@ -34,21 +33,21 @@ impl<'a> Job<'a> {
         args: &'a InputArgs,
         inputs: impl IntoIterator<Item = &'p Path>,
         outputs: impl IntoIterator<Item = impl Into<PlannedOutput<'p>>>,
-        picture: Option<&'p Path>,
+        picture: Asked<'p>,
         console: &'a Console,
     ) -> Result<Self, Failure> {
         let files = args.map.files()?;
         let mut inputs: Vec<&Path> = inputs.into_iter().collect();
-        inputs.extend(files.iter().map(PathBuf::as_path));
+        inputs.extend(files.iter().map(PathBuf::as_path).chain(picture.font()));
         let mut outputs: Vec<PlannedOutput<'_>> = outputs.into_iter().map(Into::into).collect();
-        outputs.extend(picture.map(PlannedOutput::from));
+        outputs.extend(picture.file().map(PlannedOutput::from));
         console.check_paths(&inputs, &outputs)?;
-        picture.map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
+        let picture = picture.open(&console.flags)?;
         let prepares = [(true, "reading"), (true, "cleaning"), (args.fit.is_some(), "fitting")];
         let steps = prepares.into_iter().chain([(args.sample.is_some(), "sampling"), (true, "triangulating")]);
         console.plan(steps.filter(|(is_done, _)| *is_done).map(|(_, step)| step));
-        console.plan(picture.map(|_| "drawing"));
-        Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
+        console.plan(picture.as_ref().map(|_| "drawing"));
+        Ok(Self { console, args, picture })
     }
 
     /// Reads and prepares the contours.
@@ -85,13 +84,14 @@ impl<'a> Job<'a> {
         subdivision.map_err(|error| summary::after_findings(error, &input.findings, self.console).into())
     }
 
+    /// Whether a picture is asked for.
+    pub fn draws(&self) -> bool {
+        self.picture.is_some()
+    }
+
     /// Draws the picture, still under its temporary name, if one is asked for.
-    pub fn draw(&self, picture: impl FnOnce() -> Result<RgbImage, Error>) -> Result<(), Failure> {
-        let Some(staged) = &self.picture else { return Ok(()) };
-        let written = self
-            .console
-            .step("drawing", || write_picture(&staged.path(), &picture()?).map_err(|e| staged.with_final_name(e)));
-        Ok(written?)
+    pub fn draw(&mut self, drawing: &Drawing<'_>) -> Result<(), Failure> {
+        self.picture.as_mut().map_or(Ok(()), |picture| picture.draw(drawing, self.console))
     }
 
     /// Prints the findings and the lines that describe the input.
@@ -103,7 +103,7 @@ impl<'a> Job<'a> {
     /// Puts the picture in its place.
     pub fn commit_picture(self) -> Result<(), Failure> {
         if let Some(picture) = self.picture {
-            self.console.say(&format!("written    {}", picture.commit()?.display()));
+            picture.commit(self.console)?;
         }
         Ok(())
     }

@@ -28,8 +28,8 @@ pub struct JoinArgs {
     /// Folder of the plan
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp
-    #[arg(short, long, value_name = "FILE", required_unless_present = "dem")]
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Height map to write: .tif, .exr, .png, .asc or .xyz
     #[arg(long, value_name = "FILE")]
@@ -48,6 +48,10 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &JoinArgs, console: &Console) -> Result<(), Failure> {
     let folder = Folder::open(&args.folder)?;
+    if args.output.is_none() && args.dem.is_none() {
+        let message = "name what to write: -o FILE for the lines, --dem FILE for the height map, or both";
+        return Err(Failure::Usage(message.into()));
+    }
     folder.check_wanted(args.output.is_some(), args.dem.is_some())?;
     let unit = folder.manifest.unit();
     let names: Vec<String> =
@@ -61,7 +65,7 @@ pub fn run(args: &JoinArgs, console: &Console) -> Result<(), Failure> {
     let mut about = Input::default();
     about.reprojection.clone_from(&joined.reprojection);
     console.set_input(&about);
-    let back = args.to_crs.way(&joined.reprojection, unit)?;
+    let back = args.to_crs.way(args.output.as_deref(), &joined.reprojection, unit)?;
     let written = match &lines {
         Some(staged) => console.step("writing", || {
             write_layers_back(staged, &output_layers(&joined.layers, None, &names, &back), &back)
@@ -100,7 +104,11 @@ impl JoinArgs {
     /// Checks the paths of the outputs.
     fn check(&self, names: &[&str], console: &Console) -> Result<(), Failure> {
         if let Some(path) = &self.output {
-            check_vector(path, "contour lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp")?;
+            check_vector(
+                path,
+                "contour lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz",
+            )?;
+            self.to_crs.check(path)?;
         }
         self.cog.check(self.dem.as_deref())?;
         if self.to_crs.to_crs.is_some() && self.output.is_none() {

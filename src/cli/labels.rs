@@ -14,7 +14,7 @@ use super::failure::Failure;
 #[derive(Debug, Clone, Args)]
 pub struct LabelArgs {
     /// Also write labels of index contours, as points with text, angle (degrees counter-clockwise) and height: a layer
-    /// 'labels' in a .gpkg, texts in a .dxf. Their height can be given: --labels=20 [units of the working CRS]
+    /// 'labels' in a .gpkg, texts in a .dxf, a folder in a .kml or .kmz. Their height can be given: --labels=20 [units of the working CRS]
     #[arg(long, value_name = "HEIGHT", num_args = 0..=1, require_equals = true)]
     pub labels: Option<Option<f64>>,
 }
@@ -30,8 +30,8 @@ impl LabelArgs {
             return Err(Failure::Usage("--labels are on index contours, and --index 0 asks for none".into()));
         }
         match VectorFormat::from_path(output) {
-            Ok(VectorFormat::GeoPackage | VectorFormat::Dxf) => Ok(()),
-            _ => Err(Failure::Usage(format!("{}: labels are written in .gpkg or .dxf", output.display()))),
+            Ok(VectorFormat::GeoPackage | VectorFormat::Dxf | VectorFormat::Kml) => Ok(()),
+            _ => Err(Failure::Usage(format!("{}: labels are written in .gpkg, .dxf, .kml or .kmz", output.display()))),
         }
     }
 

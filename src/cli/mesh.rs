@@ -15,6 +15,7 @@ use super::failure::Failure;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing};
 use super::surface::SurfaceArgs;
 use super::{output, summary};
 
@@ -62,11 +63,11 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
         ));
     }
     args.surface.check(&console.flags)?;
-    let job = Job::start(
+    let mut job = Job::start(
         &args.input,
         args.surface.files().chain(args.part.file()),
         [args.output.as_path()],
-        args.preview.as_deref(),
+        Asked::Model(args.preview.as_deref()),
         console,
     )?;
     let staged = StagedOutput::create(&args.output)?;
@@ -80,11 +81,12 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let of_drawing = model.in_drawing(&terrain.reprojection);
     let written = of_drawing.as_ref().unwrap_or(&model);
     console.step("writing", || write_mesh(&staged.path(), written)).map_err(|e| staged.with_final_name(e))?;
-    job.draw(|| {
+    if job.draws() {
         let contours = &terrain.input_contours()?.lines;
         let break_lines = &terrain.surface.break_lines;
-        render_model(&Model { mesh: &model, contours, break_lines, units: console.units(), title: None })
-    })?;
+        let shown = Model { mesh: &model, contours, break_lines, units: console.units(), title: None };
+        job.draw(&Drawing::Image(render_model(&shown)?))?;
+    }
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);

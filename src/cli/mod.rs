@@ -30,9 +30,12 @@ mod map;
 mod memory;
 mod mesh;
 mod negative;
+#[cfg(test)]
+mod option_table;
 mod outlets;
 mod output;
 mod part;
+mod picture;
 mod places;
 mod plan;
 mod plane;
@@ -41,6 +44,7 @@ mod progress;
 mod regions;
 mod results;
 mod run_file;
+mod shell;
 mod skeleton;
 mod source;
 mod suggest;
@@ -112,6 +116,10 @@ enum Verb {
     Plan(Box<plan::PlanArgs>),
     Work(Box<work::WorkArgs>),
     Join(Box<join::JoinArgs>),
+    #[command(hide = true)]
+    Completions(shell::CompletionsArgs),
+    #[command(hide = true)]
+    Man(shell::ManArgs),
 }
 
 /// Options that every verb has.
@@ -172,6 +180,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             console::error(&hints::with_causes(&error));
             FAILED
         }
+        Err(Failure::Told(text)) => {
+            console::error(&text);
+            FAILED
+        }
     }
 }
 
@@ -220,7 +232,7 @@ impl Run {
         warnings.iter().flatten().for_each(|warning| console.warn(&format!("warning: {warning}")));
         let outcome = cli.verb.run(&console);
         console.clear();
-        outcome?;
+        outcome.map_err(|failure| failure.in_units(console.error_units()))?;
         console.save_run()?;
         console.done();
         Ok(console.printed()?)
@@ -244,6 +256,8 @@ impl Verb {
             Self::Plan(args) => plan::run(args, console),
             Self::Work(args) => work::run(args, console),
             Self::Join(args) => join::run(args, console),
+            Self::Completions(args) => shell::completions(args, Cli::command(), console),
+            Self::Man(args) => shell::man(args, Cli::command(), console),
         }
     }
 }

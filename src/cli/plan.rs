@@ -3,15 +3,17 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::base::Units;
 use tokosen::contour::Target;
 use tokosen::surface::Triangles;
-use tokosen::tiling::{Levels, PlanParams, plan};
+use tokosen::tiling::{Levels, Plan, PlanParams, STEP, Task, plan};
 use tokosen::{GridSpec, Interval};
 
 use super::console::Console;
 use super::failure::Failure;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
+use super::picture::Asked;
 use super::surface::SurfaceArgs;
 use super::unit::ToUnitArgs;
 use super::{hints, summary};
@@ -119,7 +121,8 @@ pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.targets()?;
     let unit = args.to_unit.unit();
     let grid = args.cell.map(GridSpec::Cell);
-    let job = Job::start(&args.input, args.surface.files(), std::iter::empty::<&std::path::Path>(), None, console)?;
+    let job =
+        Job::start(&args.input, args.surface.files(), std::iter::empty::<&std::path::Path>(), Asked::Nothing, console)?;
     console.plan(["the whole map", "cutting into tiles"]);
     let mut input = job.read(Scope { grid: None, ..Scope::of(&args.surface.frame) })?;
     let options = args.surface.options(grid.as_ref(), Triangles::Smooth, unit)?;
@@ -131,7 +134,7 @@ pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
         tile_side: args.tile_side,
         memory: Some(args.memory),
     };
-    let manifest = plan(&mut input, &options, &params, &args.output, console)
+    let Plan { manifest, removed } = plan(&mut input, &options, &params, &args.output, console)
         .map_err(|error| summary::after_findings(error, &input.findings, console))?;
     job.report(&input.findings, &input.map);
     let vertices = manifest.tasks.iter().map(|task| task.vertices);
@@ -141,9 +144,28 @@ pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
         manifest.tasks.len(),
         vertices.max().unwrap_or_default()
     ));
+    let side = manifest.tasks.iter().map(side_of).fold(0.0, f64::max);
+    if let Some(asked) = args.tile_side.filter(|asked| side > 1.01 * asked) {
+        console.say(&format!(
+            "           sides of tiles are up to {}, not {}: a tile has at least {STEP} cells on a side",
+            Units::METRES.length(side),
+            Units::METRES.length(asked)
+        ));
+    }
+    if removed > 0 {
+        console.warn(&format!(
+            "removed    results of {removed} tiles of the former plan, which the new one does not have"
+        ));
+    }
     console.say(&format!("           next: tokosen work {}", args.output.display()));
     summary::close(input.findings.len(), console);
     Ok(())
+}
+
+/// The longer side of the tile of a task, metres.
+fn side_of(task: &Task) -> f64 {
+    let [west, south, east, north] = task.tile;
+    (east - west).max(north - south)
 }
 
 impl PlanArgs {

@@ -1,11 +1,17 @@
 //! Coordinate reference systems on the command line: `--crs`, `--work-crs`, `--to-crs`.
 
+use std::path::Path;
+
 use clap::Args;
 use tokosen::base::ElevationUnit;
 use tokosen::contour::ContourMap;
 use tokosen::crs::{Crs, FromWorking, Reprojection};
+use tokosen::io::VectorFormat;
 
 use super::failure::Failure;
+
+/// The EPSG code of WGS 84.
+const WGS84: u32 = 4326;
 
 /// The coordinates that vector files are written in.
 #[derive(Debug, Clone, Args)]
@@ -17,10 +23,32 @@ pub struct ToCrsArgs {
 }
 
 impl ToCrsArgs {
-    /// The conversion from the working plane to the output, with heights in `unit` there.
-    pub fn way(&self, reprojection: &Reprojection, unit: ElevationUnit) -> Result<FromWorking, Failure> {
-        Ok(reprojection.from_working(self.to_crs.as_ref())?.with_heights_in(unit))
+    /// Refuses another system than that of KML for a KML.
+    pub fn check(&self, output: &Path) -> Result<(), Failure> {
+        match self.to_crs.as_ref().filter(|crs| is_kml(output) && crs.epsg != Some(WGS84)) {
+            Some(_) => {
+                Err(Failure::Usage(format!("{}: KML is always in WGS 84: leave out --to-crs", output.display())))
+            }
+            None => Ok(()),
+        }
     }
+
+    /// The conversion from the working plane to the output, with heights in `unit` there. A KML is refused now, not after the
+    /// work, if nobody knows where the map lies.
+    pub fn way(
+        &self,
+        output: Option<&Path>,
+        reprojection: &Reprojection,
+        unit: ElevationUnit,
+    ) -> Result<FromWorking, Failure> {
+        let back = reprojection.from_working(self.to_crs.as_ref())?.with_heights_in(unit);
+        output.filter(|output| is_kml(output)).map(|_| back.to(&Crs::from_epsg(WGS84))).transpose()?;
+        Ok(back)
+    }
+}
+
+fn is_kml(output: &Path) -> bool {
+    matches!(VectorFormat::from_path(output), Ok(VectorFormat::Kml))
 }
 
 /// The coordinates of the cells of a height map.

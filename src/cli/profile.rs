@@ -29,7 +29,7 @@ use super::{memory, summary};
 /// The table has a row for each place: feature, the number of the line; section, the distance of the section from the start of
 /// the line; distance, from the start of the line, or from the middle of the section (left of the line below 0); x and y in
 /// the coordinates of the line; z, and the standard error of z. With B, each side has its z and its error. The standard
-/// errors of contours are estimated by hiding levels, those of a height map are what --sigma says.
+/// errors of contours are estimated by hiding levels, those of a height map are those in its file ('dem --uncertainty' writes them) or what --sigma says.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).num_args(1).action(ArgAction::Set).value_name("A").help(
@@ -44,7 +44,7 @@ pub struct ProfileArgs {
     /// The line, or several: lines of a vector file
     #[arg(long, value_name = "FILE", value_parser = source(), help_heading = "Input")]
     line: VectorSource,
-    /// Standard error of the heights of height maps [metres, or the unit of --to-unit] [default: that of a product of 基盤地図情報]
+    /// Standard error of the heights of height maps [metres, or the unit of --to-unit] [default: the errors that the file has beside its heights, or that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input")]
     sigma: Option<f64>,
     /// Greatest distance between places [metres, or the unit of --to-unit; default: a 500th of the line, or a 100th of --width]
@@ -82,7 +82,7 @@ pub fn run(args: &ProfileArgs, console: &Console) -> Result<(), Failure> {
     let ProfileArgs { input, surface, .. } = args;
     let sides = Sides { input, b: args.b.as_ref(), grid: None, surface, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, .. } = side::read(sides, &contents, &mut findings, console)?;
-    side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()]);
+    side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()])?;
     if let Some(nodes) = a.nodes() {
         Pair::refuse_degrees(&nodes, input.map.file())?;
     }

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tokosen::draw::preview::{landform_patches, subdivision_picture};
+use tokosen::draw::Scene;
+use tokosen::draw::preview::landform_patches;
 use tokosen::io::layer::{REGIONS_LAYER, of_landforms};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
 use tokosen::subdomains::{Landform, LandformClass, landforms};
@@ -16,6 +17,7 @@ use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output;
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing, PictureArgs};
 use super::plane::ToCrsArgs;
 use super::surface::FrameArgs;
 use super::unit::{ToUnitArgs, in_units};
@@ -39,9 +41,8 @@ pub struct RegionsArgs {
     to_crs: ToCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
-    /// Also draw a picture of the areas and the lines: .png
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     #[command(flatten, next_help_heading = "Surface")]
@@ -58,10 +59,14 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
-    output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp")?;
+    output::check_vector(
+        &args.output,
+        "areas are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz",
+    )?;
+    args.to_crs.check(&args.output)?;
     let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(paths(args.water.sources()));
     let output = PlannedOutput { path: &args.output, layers: &[REGIONS_LAYER] };
-    let job = Job::start(&args.input, inputs, [output], args.preview.as_deref(), console)?;
+    let mut job = Job::start(&args.input, inputs, [output], Asked::Map(&args.picture), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
@@ -69,7 +74,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
     args.water.check()?;
     features::add(args.water.sources(), &mut input)?;
-    let back = args.to_crs.way(&input.reprojection, unit)?;
+    let back = args.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let (subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
     let mut layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
@@ -77,10 +82,11 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let written = layer.rows.len();
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
     let units = args.to_unit.drawn(console.units());
-    job.draw(|| {
+    if job.draws() {
         let patches = landform_patches(&forms, &subdivision.tin);
-        subdivision_picture(&subdivision, &[], Some(&patches), &input.reprojection, units)
-    })?;
+        let scene = Scene::of_subdivision(&subdivision, &[], Some(&patches), &input.reprojection, units);
+        job.draw(&Drawing::Map(scene.within(part.as_ref())))?;
+    }
 
     job.report(&input.findings, &subdivision.map);
     describe(&forms, console);

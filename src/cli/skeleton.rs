@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tokosen::draw::preview::{subdivision_picture, triangle_patches};
+use tokosen::draw::Scene;
+use tokosen::draw::preview::triangle_patches;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{PlannedOutput, StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
@@ -17,6 +18,7 @@ use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output;
 use super::part::PartArgs;
+use super::picture::{Asked, Drawing, PictureArgs};
 use super::plane::ToCrsArgs;
 use super::summary;
 use super::surface::FrameArgs;
@@ -35,7 +37,7 @@ use super::unit::{ToUnitArgs, in_units};
 pub struct SkeletonArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf or .shp. With several layers, a GeoPackage holds all of them;
+    /// Lines to write: .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz. With several layers, a GeoPackage holds all of them;
     /// other formats get one file per layer
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
@@ -49,9 +51,8 @@ pub struct SkeletonArgs {
     to_crs: ToCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
-    /// Also draw a picture of the ground and the lines: .png
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     #[command(flatten, next_help_heading = "Surface")]
@@ -73,7 +74,11 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
-    output::check_vector(&args.output, "lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp")?;
+    output::check_vector(
+        &args.output,
+        "lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz",
+    )?;
+    args.to_crs.check(&args.output)?;
     if !args.resolution.is_finite() || args.resolution < 0.0 {
         return Err(Failure::Usage(format!("--resolution is {}, it must be 0 or more", args.resolution)));
     }
@@ -84,13 +89,13 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let lines = [args.water.sources(), args.streams.sources()].concat();
     let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(paths(lines.clone()));
     let outputs = files.iter().map(|path| PlannedOutput { path, layers: &names });
-    let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
+    let mut job = Job::start(&args.input, inputs, outputs, Asked::Map(&args.picture), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
     let sea = args.water.sea_in_metres(unit);
     let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
-    let back = args.to_crs.way(&input.reprojection, unit)?;
+    let back = args.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     args.water.check()?;
     features::add(lines, &mut input)?;
     let (mut subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
@@ -117,10 +122,11 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
         write_layers_back(&staged, &layers, &back)
     })?;
     let units = args.to_unit.drawn(console.units());
-    job.draw(|| {
+    if job.draws() {
         let patches = args.triangles.then(|| triangle_patches(&subdivision.tin, &found));
-        subdivision_picture(&subdivision, &found.lines, patches.as_ref(), &input.reprojection, units)
-    })?;
+        let scene = Scene::of_subdivision(&subdivision, &found.lines, patches.as_ref(), &input.reprojection, units);
+        job.draw(&Drawing::Map(scene.within(part.as_ref())))?;
+    }
 
     job.report(&input.findings, &subdivision.map);
     describe(&found, args.resolution, console);

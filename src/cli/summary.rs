@@ -24,6 +24,9 @@ const MANY: usize = 1000;
 pub fn findings(findings: &[Finding], console: &Console) {
     for (kind, list) in by_kind(findings) {
         print_kind(kind.title(), &list, console, Console::warn);
+        if kind == FindingKind::HeightUnit && console.flags.leaves("--to-unit") {
+            console.warn("    results are in metres; --to-unit ft or --to-unit us-ft writes them in feet");
+        }
     }
 }
 
@@ -62,7 +65,7 @@ fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Cons
     for finding in list.iter().take(shown) {
         print(console, &format!("    {}", console.text_of(finding)));
         if let (true, Some(proposal)) = (console.verbose, &finding.proposal) {
-            print(console, &format!("        proposed: {proposal}"));
+            print(console, &format!("        proposed: {}", console.text_of_proposal(proposal)));
         }
     }
     if shown == 0 {

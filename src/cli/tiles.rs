@@ -14,7 +14,7 @@ use super::failure::Failure;
 use super::levels::LevelsArgs;
 
 /// The kinds of files for contours, for messages.
-const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf or .shp, or as map tiles: .pmtiles, .mbtiles or \
+const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz, or as map tiles: .pmtiles, .mbtiles or \
                      FOLDER/{z}/{x}/{y}.pbf";
 
 /// Refuses a file that contours are not written to, and options that do not apply to it.
@@ -27,6 +27,7 @@ pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
         if !levels.zooms.zooms.is_empty() {
             return usage("--zooms applies to map tiles: .pmtiles, .mbtiles or FOLDER/{z}/{x}/{y}.pbf".into());
         }
+        levels.to_crs.check(output)?;
         return levels.labels.check(output, levels.index);
     };
     let extension = TileFormat::folder(output).map_or("pbf", |(_, extension)| extension);

@@ -35,7 +35,7 @@ const PRINTED: usize = 6;
 /// that for many levels. Each cell counts with the height at its centre; cells without a height do not count.
 ///
 /// Errors come from the standard errors of the heights: those of contours are estimated by hiding levels, those of a
-/// height map are what --sigma says. 'likely' is the standard error of the volume if errors are independent where they are further apart
+/// height map are those in its file ('dem --uncertainty' writes them) or what --sigma says. 'likely' is the standard error of the volume if errors are independent where they are further apart
 /// than the contours around them; 'most' is the error if all heights are wrong by their standard error in the same direction.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -58,7 +58,7 @@ pub struct VolumeArgs {
     /// Only the ground inside the polygons of this file counts
     #[arg(long, value_name = "FILE", value_parser = source(), help_heading = "Input")]
     clip: Option<VectorSource>,
-    /// Standard error of the heights of height maps [metres, or the unit of --to-unit] [default: that of a product of 基盤地図情報]
+    /// Standard error of the heights of height maps [metres, or the unit of --to-unit] [default: the errors that the file has beside its heights, or that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input")]
     sigma: Option<f64>,
     /// Also write a table (.csv), or the storage curve of --levels as a picture (.svg, .png); give it again for another file
@@ -120,11 +120,14 @@ pub fn run(args: &VolumeArgs, console: &Console) -> Result<(), Failure> {
     let VolumeArgs { input, surface, grid, .. } = args;
     let sides = Sides { input, b: args.b.as_ref(), grid: Some(grid), surface, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, nodes } = side::read(sides, &contents, &mut findings, console)?;
-    side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()]);
+    side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()])?;
     let nodes = nodes.ok_or_else(|| Failure::Usage("contours need cells: give --cell SIZE or --like RASTER".into()))?;
     Pair::refuse_degrees(&nodes, args.input.map.file())?;
     let sides = VolumeSides { a: &a, b: b.as_ref() };
-    let area = |dem: &_| args.clip.as_ref().map(|clip| read_area_on(dem, clip, memory::available())).transpose();
+    let area = |dem: &_| {
+        let read = |clip: &VectorSource| Ok((read_area_on(dem, clip, memory::available())?, clip.path.clone()));
+        args.clip.as_ref().map(read).transpose()
+    };
     let heights = heights_of(sides, &nodes, area, console).map_err(|error| error.in_file(args.input.map.file()))?;
     findings.extend([Some(&a), b.as_ref()].into_iter().flatten().flat_map(|side| side.late_findings()));
 

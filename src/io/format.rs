@@ -19,6 +19,8 @@ pub enum VectorFormat {
     Dxf,
     /// `.shp` with its companions
     Shapefile,
+    /// `.kml`, and `.kmz` with one in it
+    Kml,
 }
 
 impl VectorFormat {
@@ -35,10 +37,11 @@ impl VectorFormat {
             "parquet" | "geoparquet" => Ok(Self::GeoParquet),
             "dxf" => Ok(Self::Dxf),
             "shp" => Ok(Self::Shapefile),
+            "kml" | "kmz" => Ok(Self::Kml),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is written; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .parquet (GeoParquet), .dxf (DXF) and .shp (shapefile)",
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .parquet (GeoParquet), .dxf (DXF), .shp (shapefile), .kml and .kmz (KML)",
             )),
         }
     }
@@ -51,10 +54,10 @@ pub(super) enum InputFormat {
     Written(VectorFormat),
     /// GeoJSON text sequence, or a text per line: `.geojsonl`, `.geojsons`, `.ndjson`.
     GeoJsonSequence,
-    /// `.kml`, and `.kmz` with one in it
-    Kml,
     /// `.gml`
     Gml,
+    /// LandXML `.xml`. Other documents are 基盤地図情報
+    LandXml,
     /// `.csv`, `.tsv` with geometries as well-known text
     Text,
     /// `.zip` with a shapefile in it, also called `.shp.zip`
@@ -73,16 +76,16 @@ impl InputFormat {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
             "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" => Ok(Self::GeoJsonSequence),
-            "kml" | "kmz" => Ok(Self::Kml),
             "gml" => Ok(Self::Gml),
+            "xml" => Ok(Self::LandXml),
             "csv" | "tsv" => Ok(Self::Text),
             "zip" => Ok(Self::ZippedShapefile),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is read; known are .geojson and .json (GeoJSON), \
                  .gpkg (GeoPackage), .fgb (FlatGeobuf), .parquet (GeoParquet), .dxf (DXF), .shp (shapefile; also in a .zip), .geojsonl and .geojsons \
-                 (GeoJSON text sequence), .kml and .kmz (KML), .gml (GML), .csv and .tsv (well-known text); folders, .zip and \
-                 .xml are read as 基盤地図情報. Convert other formats with 'ogr2ogr out.gpkg FILE'",
+                 (GeoJSON text sequence), .kml and .kmz (KML), .gml (GML), .xml (LandXML), .csv and .tsv (well-known text); \
+                 folders, .zip and other .xml are read as 基盤地図情報. Convert other formats with 'ogr2ogr out.gpkg FILE'",
             )),
         }
     }

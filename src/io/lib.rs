@@ -1,10 +1,10 @@
-//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, GeoParquet, DXF and shapefile. The file's extension
-//! selects the format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
+//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, GeoParquet, DXF, shapefile and KML. The file's extension
+//! selects the format. GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
 //! only.
 //!
 //! Reading: file → table of features → elevations. Each format has a file that fills the table. One place decides which
-//! attribute holds the elevation. Writing: lines → layers of features → file. Every format preserves the vertices bit
-//! for bit.
+//! attribute holds the elevation. Writing: lines → layers of features → file. Every format but KML, which is for viewers,
+//! preserves the vertices bit for bit.
 //!
 //! Outputs are written through [`StagedOutput`]: a file appears complete or not at all.
 
@@ -21,6 +21,7 @@ mod elevation;
 mod elevation_names;
 mod file_box;
 mod flatgeobuf;
+pub mod fonts;
 mod format;
 mod geojson;
 mod geoparquet;
@@ -29,6 +30,7 @@ mod gpkg;
 pub mod gsi;
 mod in_memory;
 mod kml;
+mod landxml;
 pub mod layer;
 mod lines;
 mod maker;
@@ -62,7 +64,7 @@ use table::{Purpose, Request, Table};
 use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{Error, Report, Result};
 use tokosen_core::contour::{ContourLayer, ContourMap, SpotHeights, StatedUnit};
-use tokosen_core::crs::{Crs, FromWorking};
+use tokosen_core::crs::{Crs, FromWorking, Reprojection};
 use tokosen_core::features::{Features, Role};
 use tokosen_core::subdomains::{Landform, Regions};
 use tokosen_core::tin::Tin;
@@ -77,6 +79,9 @@ pub use paths::{PlannedOutput, check_paths, files_of_input};
 pub use places::{Paths, Places, read_paths, read_places};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
+
+/// The EPSG code of WGS 84.
+const WGS84: u32 = 4326;
 
 /// How to read a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -254,8 +259,9 @@ fn read_whole_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Res
         InputFormat::Written(VectorFormat::Dxf) => dxf::read(path, &request),
         InputFormat::Written(VectorFormat::Shapefile) => shapefile::read(path, &request),
         InputFormat::GeoJsonSequence => geojson::read_sequence(path, &request),
-        InputFormat::Kml => kml::read(path, &request),
+        InputFormat::Written(VectorFormat::Kml) => kml::read(path, &request),
         InputFormat::Gml => gml::read(path, &request),
+        InputFormat::LandXml => landxml::read(path, &request),
         InputFormat::Text => text_points::read(path, &request),
         InputFormat::ZippedShapefile => zipped::read_shapefile(path, &request),
     }
@@ -267,7 +273,7 @@ fn read_whole_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Res
 /// `is_index`, `depression` and `closed`. A DXF has no attributes except the layer's name, such as
 /// `CONTOUR-INPUT-INDEX` or `CONTOUR-INTERPOLATED`, and does not name the coordinate reference system.
 ///
-/// A GeoPackage holds all layers in one file. The other formats hold one layer per file; in a DXF, labels are texts in the
+/// A GeoPackage and a KML hold all layers in one file. The other formats hold one layer per file; in a DXF, labels are texts in the
 /// file of their contours. A single layer gets exactly
 /// the target's name. Several layers are written beside each other as `STEM_SUFFIX.EXT`; the suffix is the layer's name
 /// without a leading `contours_`. The returned paths are the final ones.
@@ -301,7 +307,7 @@ pub fn write_landforms(
     write_layers(out, &[layer::of_landforms(forms, tin, regions)], crs)
 }
 
-/// Writes layers of features, in the format of the target's extension.
+/// Writes layers of features, in the format of the target's extension. A KML is in longitudes and latitudes on WGS 84.
 ///
 /// Lines are three-dimensional, areas are not. Layers of one GeoPackage may differ in geometry and attributes. The
 /// files are named as in [`write_contours`].
@@ -316,6 +322,9 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     let is_plain = matches!(format, VectorFormat::FlatGeobuf | VectorFormat::Shapefile);
     if is_plain && layers.iter().any(|layer| layer.geometry == layer::Geometry::Points) {
         return Err(Error::file(out.target(), "points are written as .gpkg, .geojson or .parquet"));
+    }
+    if format == VectorFormat::Kml {
+        return write_layers_back(out, layers, &Reprojection::unmoved(crs.cloned()).from_working(None)?);
     }
     if format == VectorFormat::GeoPackage {
         let target = if gpkg::is_there(out.target())? { Some(out.target()) } else { None };
@@ -345,6 +354,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
             VectorFormat::GeoParquet => geoparquet::write(&path, layer, crs),
             VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer), crs),
             VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
+            VectorFormat::Kml => kml::write(&path, std::slice::from_ref(layer), ElevationUnit::Metre),
         };
         written.map_err(|e| out.with_final_name(e))?;
     }
@@ -355,10 +365,23 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
 /// get their input coordinates back, bit for bit. Of the attributes, only heights and their errors change: lengths and
 /// areas stay those of the working plane.
 ///
+/// A KML is in longitudes and latitudes on WGS 84, whatever the system is that `back` converts to.
+///
 /// # Errors
 /// As [`write_layers`], and if a vertex has no coordinates in that system.
 pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWorking) -> Result<Vec<PathBuf>> {
+    if VectorFormat::from_path(out.target())? == VectorFormat::Kml {
+        let back = back.to(&Crs::from_epsg(WGS84))?;
+        return with_layers_back(layers, &back, |layers| write_kml(out, layers, back.unit()));
+    }
     with_layers_back(layers, back, |layers| write_layers(out, layers, back.crs()))
+}
+
+/// Writes layers on WGS 84 with heights in `unit`.
+fn write_kml(out: &StagedOutput, layers: &[Layer<'_>], unit: ElevationUnit) -> Result<Vec<PathBuf>> {
+    layers.iter().try_for_each(layer::check)?;
+    kml::write(&out.path(), layers, unit).map_err(|e| out.with_final_name(e))?;
+    Ok(vec![out.target().to_owned()])
 }
 
 /// Calls `take` with layers of features in the coordinates and the unit of heights that `back` converts to, as
@@ -387,7 +410,7 @@ pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
     layer::check_names(layers)?;
     let mut layers = layers.to_vec();
     match VectorFormat::from_path(target)? {
-        VectorFormat::GeoPackage => return Ok(vec![target.to_owned()]),
+        VectorFormat::GeoPackage | VectorFormat::Kml => return Ok(vec![target.to_owned()]),
         VectorFormat::Dxf => layers.retain(|name| !name.starts_with(layer::LABELS_LAYER)),
         VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::GeoParquet | VectorFormat::Shapefile => {}
     }

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
+use zip::ZipArchive;
 
 use super::ordinary::open_to_read;
 use super::{geoparquet, tiles};
@@ -34,7 +35,8 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["obj"], b"# tokosen\n"),
     (&["ply"], b"\ncomment tokosen\n"),
     (&["xml"], b"<Application name=\"tokosen\""),
-    (&["svg"], b"<!-- made by tokosen -->"),
+    (&["pdf"], b"/Producer (tokosen)"),
+    (&["svg", "kml"], b"<!-- made by tokosen -->"),
     (&["html", "htm"], b"<meta name=\"generator\" content=\"tokosen\">"),
 ];
 
@@ -53,6 +55,7 @@ pub(super) fn is_own(path: &Path) -> bool {
     }
     match extension.as_str() {
         "parquet" | "geoparquet" => return geoparquet::is_own(file),
+        "kmz" => return ZipArchive::new(file).is_ok_and(|archive| archive.comment() == MADE_BY.as_bytes()),
         "pmtiles" => return tiles::is_own_pmtiles(file),
         "mbtiles" => return tiles::is_own_mbtiles(path),
         _ => {}

@@ -1,4 +1,4 @@
-//! The events of one XML document: 基盤地図情報, GML, KML. The parts that all readers share are here: errors that name the document, a check
+//! The events of one XML document: 基盤地図情報, GML, KML, LandXML. The parts that all readers share are here: errors that name the document, a check
 //! that the document is complete, and texts in the declared encoding.
 
 use std::io::BufRead;
@@ -15,7 +15,8 @@ use tokosen_core::base::error::{Cause, Error, Result};
 const MAX_DEPTH: usize = 100;
 
 /// The attributes that a reader may ask for, by their local names.
-const ATTRIBUTES: [&str; 5] = ["srsName", "srsDimension", "order", "name", "orientation"];
+const ATTRIBUTES: [&str; 8] =
+    ["srsName", "srsDimension", "order", "name", "orientation", "elev", "linearUnit", "epsgCode"];
 
 /// The next event of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -34,6 +34,12 @@ pub fn clip_skeleton(skeleton: &mut Skeleton, area: &MultiPolygon<f64>) {
         .collect();
 }
 
+/// Cuts break lines at the border of an area; what remains is their courses with heights.
+pub fn clip_creases(creases: &mut Vec<Vec<DVec3>>, area: &MultiPolygon<f64>) {
+    let pieces = pieces(creases.iter().map(Vec::as_slice), area);
+    *creases = pieces.into_iter().map(|(_, points)| points).collect();
+}
+
 /// Cuts streams at the border of an area.
 pub fn clip_streams(streams: &mut Vec<Stream>, area: &MultiPolygon<f64>) {
     let pieces = pieces(streams.iter().map(|stream| stream.points.as_slice()), area);

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::facade::Terrain;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::{Progress, step};
-use tokosen_core::base::{ElevationUnit, Grid};
+use tokosen_core::base::{ElevationUnit, Grid, Units};
 use tokosen_core::contour::{Interval, SpotHeights};
 use tokosen_core::crs::{Crs, Reprojection, Transform, converted};
 use tokosen_core::dem::compare::{Resampled, heights_between};
@@ -26,6 +26,8 @@ pub struct Side {
     pub kind: Kind,
     /// Stated accuracy of the product, as a standard deviation, metres.
     pub sigma: Option<f64>,
+    /// The standard errors that a height map has beside its heights, metres, if they were read.
+    pub errors: Option<Arc<Dem>>,
     /// The unit that the elevations of contours had. `None` for a height map.
     pub unit: Option<ElevationUnit>,
     /// The part of the surface that is compared, if it is not the whole.
@@ -176,6 +178,7 @@ impl Side {
             source,
             kind: Kind::Dem(dem),
             sigma: product.map(|(_, sigma)| sigma),
+            errors: None,
             unit: None,
             part: None,
             reprojection: None,
@@ -190,10 +193,14 @@ impl Side {
             file: path.to_owned(),
             kind: "contours",
             crs: reprojection.input_crs().and_then(Crs::name),
-            about: format!("surface ({}) of {count} contours, interval {interval} m", kind.name()),
+            about: format!(
+                "surface ({}) of {count} contours, interval {}",
+                kind.name(),
+                Units::all(unit).height(interval)
+            ),
         };
         let (kind, reprojection) = (Kind::Surface(Box::new(surface)), Some(reprojection));
-        Self { source, kind, sigma: None, unit: Some(unit), part, reprojection }
+        Self { source, kind, sigma: None, errors: None, unit: Some(unit), part, reprojection }
     }
 
     /// The surface, if the side is one.

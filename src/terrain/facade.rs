@@ -1,8 +1,10 @@
 //! The ground between contours, and what it gives: contours, height maps, errors, meshes.
 
 use geo::MultiPolygon;
+use glam::DVec3;
 
 use super::base::Background;
+use super::clipped::clip_creases;
 use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
@@ -43,6 +45,11 @@ pub struct Terrain {
 }
 
 impl Terrain {
+    /// The part of the map that results cover, on the working plane, if it is not the whole.
+    pub fn part(&self) -> Option<&MultiPolygon<f64>> {
+        self.part.as_ref()
+    }
+
     /// Prepares the lines of an input (see [`Input::prepare`]) and builds the surface between them.
     ///
     /// # Errors
@@ -155,7 +162,15 @@ impl Terrain {
     /// As [`mesh`](fn@mesh). [`Error::PlaneUnitUnknown`] if heights are in feet and nothing states the unit of x and y.
     pub fn mesh(&self, params: &MeshParams) -> Result<Mesh> {
         self.check_plane_unit()?;
-        mesh(&self.surface, self.part.as_ref(), params)
+        let mut made = mesh(&self.surface, self.part.as_ref(), params)?;
+        let mut creases: Vec<Vec<DVec3>> = self.surface.creases.iter().map(|crease| crease.points.clone()).collect();
+        if let Some(area) = &self.part {
+            clip_creases(&mut creases, area);
+        }
+        let origin = made.origin;
+        let relative = |crease: Vec<DVec3>| crease.into_iter().map(|p| p - origin).collect();
+        made.break_lines = creases.into_iter().map(relative).collect();
+        Ok(made)
     }
 
     /// [`Input::check_plane_unit`], for the terrain of an input.

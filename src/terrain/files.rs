@@ -2,6 +2,7 @@
 
 use std::mem::take;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::compare::{Kind, Pair, Side};
 use super::grid::GridSpec;
@@ -13,7 +14,7 @@ use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::check::placeholder_heights;
 use tokosen_core::contour::SpotHeights;
 use tokosen_core::dem::compare::Comparison;
-use tokosen_io::raster::{DemRows, open_dem, read_grid};
+use tokosen_io::raster::{DemRows, open_dem, read_grid, read_standard_errors};
 use tokosen_io::{ReadOptions, VectorSource, read_spot_heights};
 
 impl GridSpec {
@@ -37,6 +38,17 @@ impl Side {
         let Report { value: DemRows { heights, product }, findings } = step(progress, "reading", || open_dem(path))?;
         let product = product.map(|product| (product.name(), product.sigma()));
         Ok(Report { value: Self::of_dem(path, heights, product), findings })
+    }
+
+    /// Reads the standard errors that a height map has beside its heights, if it has them and no other error is stated.
+    ///
+    /// # Errors
+    /// As [`read_standard_errors`].
+    pub fn read_errors(&mut self) -> Result<()> {
+        if matches!(self.kind, Kind::Dem(_)) && self.sigma.is_none() {
+            self.errors = read_standard_errors(&self.source.file)?.map(Arc::new);
+        }
+        Ok(())
     }
 
     /// The findings about heights that were read since the side was opened. Each call gives all of them.

@@ -7,13 +7,13 @@ use glam::DVec2;
 use super::compare::{Kind, Pair};
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::{Progress, step};
-use tokosen_core::base::{Grid, parallel};
+use tokosen_core::base::{ElevationUnit, Grid, parallel};
 use tokosen_core::contour::{Interval, SpotHeights};
 use tokosen_core::crs::{Transform, converted};
 use tokosen_core::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
 };
-use tokosen_core::raster::locate;
+use tokosen_core::raster::{InUnit, locate};
 use tokosen_core::tin::{NONE, Tin};
 
 /// Optional parameters of a comparison.
@@ -23,6 +23,8 @@ pub struct MeasureOptions {
     pub sigma: Option<f64>,
     /// Contour interval at whose levels terraces are searched for, metres; that of the contours if `None`.
     pub interval: Option<f64>,
+    /// The unit of the figures. Of those in feet, distances are in feet too.
+    pub unit: ElevationUnit,
 }
 
 /// The figures of a comparison.
@@ -31,6 +33,7 @@ pub struct MeasureOptions {
 /// As [`compare`](fn@compare).
 pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -> Result<Comparison> {
     let (a, b) = (&*pair.a_heights, &*pair.b_heights);
+    let unit = options.unit;
     let distances = match pair.side_with_surface() {
         Some((side, surface)) => {
             let transform = side.transform_from(b.crs(), &pair.b.source.file)?;
@@ -45,9 +48,20 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
     let interval = options.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
     // The accuracy of the reference or, if it states none, that of A.
     let sigma = options.sigma.or(pair.b.sigma).or(pair.a.sigma);
-    let params =
-        CompareParams { metres_per_unit: pair.metres_per_unit(), sigma, interval, distances: distances.as_deref() };
-    let mut found = step(progress, "comparing", || compare(a, b, &params))?;
+    let distances = distances.map(|distances| distances.into_iter().map(|d| unit.about(d)).collect::<Vec<f64>>());
+    let params = CompareParams {
+        metres_per_unit: pair.metres_per_unit() * unit.about(1.0),
+        sigma: sigma.map(|sigma| unit.about(sigma)),
+        interval,
+        distances: distances.as_deref(),
+    };
+    let [a_shown, b_shown] = [&pair.a_heights, &pair.b_heights].map(|heights| InUnit::of(heights, unit));
+    let mut found = step(progress, "comparing", || compare(&*a_shown, &*b_shown, &params))?;
+    found.unit = unit;
+    if unit.is_foot() {
+        // Steps and terraces are those of the heights as they are stored.
+        (found.a, found.b) = (height_figures(a, interval.as_ref())?, height_figures(b, interval.as_ref())?);
+    }
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
         // Interpolation changes decimals and removes terraces, so the original heights are examined.
         if let Kind::Dem(dem) = &side.kind
@@ -56,7 +70,7 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
             *figures = height_figures(&**dem, interval.as_ref())?;
         }
     }
-    found.bands = bands(pair, progress)?;
+    found.bands = bands(pair, progress)?.map(|bands| bands.in_unit(unit));
     Ok(found)
 }
 
@@ -66,7 +80,8 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
 /// If no check point lies where a side has heights, or their system cannot be converted to that of a side.
 pub fn add_check_points(found: &mut Comparison, pair: &Pair, checks: &SpotHeights, path: &Path) -> Result<()> {
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-        figures.points = at_check_points(&side.at(path, checks)?, &checks.points);
+        let points = at_check_points(&side.at(path, checks)?, &checks.points);
+        figures.points = points.map(|points| points.in_unit(found.unit));
     }
     if found.a.points.is_none() && found.b.points.is_none() {
         return Err(Error::file(path, "no check point lies where A or B have heights"));

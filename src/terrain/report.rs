@@ -3,6 +3,7 @@
 use super::compare::{Kind, Pair};
 use tokosen_core::base::error::Result;
 use tokosen_core::dem::compare::Comparison;
+use tokosen_core::raster::InUnit;
 use tokosen_draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 
 /// Sentences about how the sides were brought onto one grid and what the figures mean.
@@ -15,15 +16,16 @@ pub fn sentences(pair: &Pair, found: &Comparison) -> Vec<String> {
 /// # Errors
 /// As [`comparison_page`].
 pub fn page(pair: &Pair, found: &Comparison) -> Result<String> {
+    let [a, b] = [&pair.a_heights, &pair.b_heights].map(|heights| InUnit::of(heights, found.unit));
     comparison_page(&ComparisonPage {
         a_name: &pair.a.source.title(),
         b_name: &pair.b.source.title(),
         sources: height_sources(pair),
         notes: &pair.notes,
-        a: &*pair.a_heights,
-        b: &*pair.b_heights,
+        a: &*a,
+        b: &*b,
         found,
-        metres_per_unit: pair.metres_per_unit(),
+        metres_per_unit: pair.metres_per_unit() * found.unit.about(1.0),
     })
 }
 

@@ -41,8 +41,12 @@ impl Side {
         Ok(match &self.kind {
             Kind::Dem(dem) => {
                 let places: Vec<DVec2> = (0..places.len()).map(|k| place(k).unwrap_or(DVec2::NAN)).collect();
-                let error = self.sigma.unwrap_or(f64::NAN);
-                heights_at_places(&**dem, &places)?.into_iter().map(|height| Sample { height, error }).collect()
+                let errors = match (self.sigma, &self.errors) {
+                    (None, Some(errors)) => heights_at_places(&**errors, &places)?,
+                    (sigma, _) => vec![sigma.unwrap_or(f64::NAN); places.len()],
+                };
+                let heights = heights_at_places(&**dem, &places)?;
+                heights.into_iter().zip(errors).map(|(height, error)| Sample { height, error }).collect()
             }
             Kind::Surface(surface) => on_surface(surface, &place, places.len()),
         })

@@ -19,6 +19,8 @@ pub(super) struct Sheet {
     pub findings: Vec<Finding>,
     /// The unit that its elevations had.
     pub unit: ElevationUnit,
+    /// Its heights in this unit, if it is not the metre.
+    pub heights: Vec<f64>,
 }
 
 /// The lines and spot heights of all sheets as one map, in the coordinate reference system of the first sheet that names

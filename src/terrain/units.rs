@@ -63,9 +63,9 @@ impl Elevations<'_> {
                 let text = format!("{says}, but {rival}; {what} are taken as {}", unit.name());
                 Some((FindingKind::UnitDoubt, text))
             }
-            None => {
-                unit.is_foot().then(|| (FindingKind::HeightUnit, format!("{says}; {what} were turned into metres")))
-            }
+            None => unit
+                .is_foot()
+                .then(|| (FindingKind::HeightUnit, format!("{says}; {what} were read as {}", unit.name()))),
         };
         (unit, finding)
     }
@@ -92,7 +92,7 @@ impl Elevations<'_> {
             }
             (_, None, Some(hint)) => (FindingKind::UnitDoubt, format!("{}; {taken}", hint.says)),
             (_, Some(stated), None) if self.asked.is_none() && stated.is_foot() => {
-                (FindingKind::HeightUnit, format!("{}; {what} were turned into metres", states(name)))
+                (FindingKind::HeightUnit, format!("{}; {what} were read as {name}", states(name)))
             }
             _ => return self.doubt_by_the_plane(unit).map(|text| (FindingKind::UnitDoubt, text)),
         })
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn what_is_certain_is_used_and_told() {
         let (found, told) = unit(None, &Crs::from_epsg(FEET), None, Metre);
-        let text = "the coordinate reference system states heights in feet; the elevations were turned into metres";
+        let text = "the coordinate reference system states heights in feet; the elevations were read as feet";
         assert_eq!((found, told), (Foot, vec![(FindingKind::HeightUnit, text.to_owned())]));
         assert_eq!(unit(None, &Crs::from_epsg(METRES), None, Metre), (Metre, vec![]));
         assert_eq!(unit(None, &Crs::from_epsg(METRES), None, Foot), (Metre, vec![]));
@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn what_the_file_states_beside_elevations_is_used() {
         let utm = Crs::from_epsg(32612);
-        let text = "the field \"u\" states feet; the elevations were turned into metres".to_owned();
+        let text = "the field \"u\" states feet; the elevations were read as feet".to_owned();
         assert_eq!(beside(None, &utm, Foot, None), (Foot, vec![(FindingKind::HeightUnit, text)]));
         assert_eq!(beside(None, &utm, Metre, None), (Metre, vec![]));
         assert_eq!(beside(None, &Crs::from_epsg(PLANE_IN_FEET), Metre, None), (Metre, vec![]));

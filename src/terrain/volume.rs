@@ -1,5 +1,6 @@
 //! Volumes of a side, or between two sides.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use geo::MultiPolygon;
@@ -8,6 +9,7 @@ use super::compare::{Nodes, Side};
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::Progress;
 use tokosen_core::crs::converted;
+use tokosen_core::dem::compare::heights_between;
 use tokosen_core::dem::volume::Heights;
 use tokosen_core::raster::{Dem, RasterRows};
 use tokosen_core::surface::standard_errors_on;
@@ -22,20 +24,20 @@ pub struct VolumeSides<'a> {
 }
 
 /// The heights of a side, or the differences A − B, at the cells of a grid, ready for volumes. `area` is the part that counts, in
-/// the coordinates of the cells. Errors are those that the sides state; those of two sides add up as if they were independent.
+/// the coordinates of the cells, and the file that it is from. Errors are those that the sides state; those of two sides add up as if they were independent.
 ///
 /// # Errors
 /// As [`Heights::of`]; if the cells cannot be converted to the coordinates of a side.
 pub fn heights_of(
     sides: VolumeSides<'_>,
     nodes: &Nodes,
-    area: impl FnOnce(&Dem) -> Result<Option<MultiPolygon<f64>>>,
+    area: impl FnOnce(&Dem) -> Result<Option<(MultiPolygon<f64>, PathBuf)>>,
     progress: &dyn Progress,
 ) -> Result<Heights> {
     let (mut a, errors_a) = on_cells(sides.a, nodes, progress)?;
     let b = sides.b.map(|b| on_cells(b, nodes, progress)).transpose()?;
-    if let Some(area) = area(&a)? {
-        a = a.inside(&area)?;
+    if let Some((area, path)) = area(&a)? {
+        a = a.inside(&area).map_err(|error| error.in_file(&path))?;
     }
     let reach = |side: &Side| side.surface()?.errors.as_ref()?.reach();
     match (b, sides.b) {
@@ -64,7 +66,13 @@ fn on_cells(side: &Side, (grid, crs): &Nodes, progress: &dyn Progress) -> Result
             let transform = side.transform_from(crs.as_ref(), &side.source.file)?;
             standard_errors_on(surface, &dem, &|p| converted(transform.as_ref(), p))
         }
-        None => side.sigma.map(|sigma| vec![sigma as f32; dem.values.len()]),
+        None => match (side.sigma, &side.errors) {
+            (None, Some(errors)) => {
+                let transform = side.transform_from(crs.as_ref(), &side.source.file)?;
+                Some(heights_between(errors, grid, &|p| converted(transform.as_ref(), p)))
+            }
+            (sigma, _) => sigma.map(|sigma| vec![sigma as f32; dem.values.len()]),
+        },
     };
     Ok((dem, errors))
 }

@@ -1,6 +1,6 @@
 //! Cuts the cells of a map into tiles.
 
-/// Tiles begin at multiples of this many cells.
+/// Tiles begin at multiples of this many cells of the map's grid, and have at least so many on a side.
 pub const STEP: usize = 16;
 
 /// Some cells of a grid: the first column and row, and how many there are.

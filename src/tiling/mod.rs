@@ -27,9 +27,10 @@ mod squares;
 mod stored;
 mod work;
 
+pub use divide::STEP;
 pub use folder::Folder;
 pub use joined::{Joined, joined_lines};
 pub use manifest::{Levels, Manifest, Task};
 pub use mosaic::Mosaic;
-pub use plan::{PlanParams, plan};
+pub use plan::{Plan, PlanParams, plan};
 pub use work::{Work, work};

@@ -46,6 +46,15 @@ pub struct PlanParams {
     pub memory: Option<u64>,
 }
 
+/// A plan as it was made.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Its manifest.
+    pub manifest: Manifest,
+    /// Number of results of a former plan that were removed, because the new one does not have their tiles.
+    pub removed: usize,
+}
+
 /// Cuts the map of an input into tiles, and writes the plan into a folder. The height map is that of the options, if they have
 /// a grid. The map and the findings stay in the input.
 ///
@@ -58,7 +67,7 @@ pub fn plan(
     params: &PlanParams,
     folder: &Path,
     progress: &dyn Progress,
-) -> Result<Manifest> {
+) -> Result<Plan> {
     if let Some(size) = params.tile_side.filter(|size| !(size.is_finite() && *size > 0.0)) {
         return Err(Error::out_of_range("size of tiles", size, "more than 0"));
     }
@@ -88,13 +97,14 @@ pub fn plan(
         }
         manifest.tasks = tasks(&input.map, &planned, params, folder)?;
         Folder::store(folder, &manifest)?;
-        remove_others(folder, &manifest)?;
-        Ok(manifest)
+        let removed = remove_others(folder, &manifest)?;
+        Ok(Plan { manifest, removed })
     })
 }
 
-/// Removes the files of tiles of a former plan that the new one does not have.
-fn remove_others(folder: &Path, manifest: &Manifest) -> Result<()> {
+/// Removes the files of tiles of a former plan that the new one does not have, and counts the results among them.
+fn remove_others(folder: &Path, manifest: &Manifest) -> Result<usize> {
+    let mut results = 0;
     let tiles = folder.join(TILES);
     let named: HashSet<PathBuf> = manifest
         .tasks
@@ -107,9 +117,10 @@ fn remove_others(folder: &Path, manifest: &Manifest) -> Result<()> {
         let is_ours = path.extension().is_some_and(|kind| [INPUT, HEIGHTS, RESULT].iter().any(|own| kind == *own));
         if is_ours && path.is_file() {
             std::fs::remove_file(&path).map_err(|e| Error::io("remove the outdated", &path, e))?;
+            results += usize::from(path.extension().is_some_and(|kind| kind == RESULT));
         }
     }
-    Ok(())
+    Ok(results)
 }
 
 /// All lines with the coordinates that they have in the input.

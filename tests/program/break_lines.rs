@@ -108,3 +108,26 @@ fn what_is_wrong_with_lines_is_said() {
     let text = folder.succeeds("dem c.gpkg --cell 20 --surface skeleton --cliffs lines.geojson -o e.tif");
     assert!(text.contains("only the smooth surface jumps"), "{text}");
 }
+
+#[test]
+fn a_surface_that_is_handed_over_has_its_break_lines_and_they_are_read_again() {
+    let folder = folder_with("fig3a_spur.geojson", "map.geojson");
+    let line = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":
+        {"type":"LineString","coordinates":[[13930,-16505],[13970,-16500],[14010,-16498]]}}]}"#;
+    std::fs::write(folder.path("edge.geojson"), line).unwrap();
+    folder.succeeds("mesh map.geojson --breaklines edge.geojson -o surface.xml");
+    let text = std::fs::read_to_string(folder.path("surface.xml")).unwrap();
+    let start = text.find("<Breaklines>").unwrap();
+    assert!(start < text.find("<Definition").unwrap() && text.contains("brkType=\"standard\""), "{}", &text[..900]);
+    // The same lines again, from the file that was handed over. Its heights agree with the contours.
+    let said = folder.succeeds("mesh map.geojson --breaklines surface.xml -o again.xml");
+    let lines = |name: &str| {
+        let text = std::fs::read_to_string(folder.path(name)).unwrap();
+        text.matches("<Breakline ").count()
+    };
+    assert!(lines("surface.xml") >= 1 && lines("again.xml") >= 1, "{said}");
+    // Its points as spot heights; it has no contours.
+    folder.succeeds("check map.geojson --points surface.xml");
+    let said = folder.ends("dem surface.xml --cell 10 -o dem.tif", 1);
+    assert!(said.contains("surface.xml") && said.contains("triangle"), "{said}");
+}

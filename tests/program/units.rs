@@ -86,7 +86,7 @@ fn a_vertical_system_in_feet_is_believed() {
     let folder = Folder::new();
     folder.put("feet.geojson", &rings(WITH_HEIGHTS_IN_FEET, "elev", false));
     let said = folder.succeeds("densify feet.geojson -i 100 --keep-input -o out.geojson");
-    assert!(said.contains("states heights in feet; the elevations were turned into metres"), "{said}");
+    assert!(said.contains("states heights in feet; the elevations were read as feet"), "{said}");
     assert!(
         said.contains("from 40 to 120 ft, vertical interval 40 ft") && said.contains("the input are feet"),
         "{said}"
@@ -168,7 +168,7 @@ fn spot_heights_and_lakes_have_the_unit_of_their_own_system() {
     assert!(!outside("metres.geojson --unit m --points spot.geojson"));
     assert!(outside("metres.geojson --points spot_in_feet.geojson"));
     let said = folder.succeeds("skeleton metres.geojson --points spot_in_feet.geojson -o out.geojson");
-    assert!(said.contains("states heights in feet; the spot heights were turned into metres"), "{said}");
+    assert!(said.contains("states heights in feet; the spot heights were read as feet"), "{said}");
 
     let said = folder.succeeds("densify feet.geojson -i 100 --keep-input --water lake.geojson -o out.geojson");
     assert!(said.contains("height 129.9869 ft"), "{said}");
@@ -189,7 +189,7 @@ fn a_shapefile_of_esris_programs_names_its_vertical_system() {
                     PARAMETER[\"Vertical_Shift\",0.0],PARAMETER[\"Direction\",1.0],UNIT[\"Foot_US\",0.3048006096012192]]";
     fs::write(folder.path("esri.prj"), format!("{plane},{vertical}")).unwrap();
     let said = folder.succeeds("densify esri.shp -i 100 --keep-input -o out.geojson");
-    assert!(said.contains("states heights in US survey feet; the elevations were turned into metres"), "{said}");
+    assert!(said.contains("states heights in US survey feet; the elevations were read as US survey feet"), "{said}");
     assert!(folder.values("out.geojson", "elev").contains(&(40.0 * 1200.0 / 3937.0).to_string()));
 }
 

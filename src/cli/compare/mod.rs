@@ -7,6 +7,7 @@ pub use args::CompareArgs;
 
 use std::path::{Path, PathBuf};
 
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, Difference};
 use tokosen::draw::report::table;
@@ -33,7 +34,9 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
     let mut findings = Vec::new();
     let pair = pair(args, contents, &mut findings, console)?;
-    let options = MeasureOptions { sigma: args.sigma, interval: args.interval };
+    // Programs that read JSON expect metres.
+    let unit = if args.json { ElevationUnit::Metre } else { pair.unit() };
+    let options = MeasureOptions { sigma: args.sigma, interval: args.interval, unit };
     let measured = measure(&pair, &options, console).and_then(|mut found| {
         if let Some(source) = &args.input.map.points {
             let points = (source, args.input.map.unit.map(UnitArg::unit));
@@ -151,11 +154,12 @@ pub fn summarise(pair: &Pair, found: &Comparison, console: &Console) {
     console.say(&format!("B          {}", pair.b.source.title()));
     let grid = pair.b_heights.grid();
     console.say(&format!(
-        "compared   {} cells of {} x {} ({:.1} %), differences A − B in metres",
+        "compared   {} cells of {} x {} ({:.1} %), differences A − B in {}",
         found.overall.cells,
         grid.cols,
         grid.rows,
-        100.0 * found.overall.cells as f64 / grid.len().max(1) as f64
+        100.0 * found.overall.cells as f64 / grid.len().max(1) as f64,
+        found.unit.name()
     ));
     console.say("");
     table(found).iter().for_each(|line| console.say(line));

@@ -145,9 +145,11 @@ pub fn check(
     }
 }
 
-/// States the standard error of the heights of height maps, metres, if it is given.
-pub fn state_sigma(sigma: Option<f64>, sides: [Option<&mut Side>; 2]) {
+/// States the standard error of the heights of height maps, metres, if it is given; otherwise reads those that the files have.
+pub fn state_sigma(sigma: Option<f64>, sides: [Option<&mut Side>; 2]) -> Result<(), Failure> {
     for side in sides.into_iter().flatten().filter(|side| side.surface().is_none()) {
         side.sigma = sigma.or(side.sigma);
+        side.read_errors()?;
     }
+    Ok(())
 }

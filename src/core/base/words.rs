@@ -1,7 +1,8 @@
 //! Heights, lengths and areas in sentences, in the units that the reader's map is in.
 //!
 //! Inside, all of them are in metres. The steps write heights as a number and `m`, and lengths on the plane as a number and
-//! `map units`; [`Units::message`] puts such sentences into the units of a map. Names in quotation marks stay as they are.
+//! `map units`; [`Units::message`] puts such sentences into the units of a map, with no more decimals than anybody measures.
+//! Names in quotation marks stay as they are.
 
 use super::ElevationUnit;
 use super::ElevationUnit::{Foot, Metre};
@@ -25,6 +26,9 @@ const DECIMALS: usize = 4;
 impl Units {
     /// Metres for heights and on the plane.
     pub const METRES: Self = Self { heights: Metre, plane: Some(Metre) };
+
+    /// Metres for heights, and a plane of which nobody knows the unit.
+    pub const METRES_ON_ANY_PLANE: Self = Self { heights: Metre, plane: None };
 
     /// Heights and lengths in one unit.
     pub fn all(unit: ElevationUnit) -> Self {
@@ -113,21 +117,28 @@ impl Units {
     fn quantity(self, number: &str, after: &str) -> Option<(String, &'static str)> {
         let metres: f64 = number.parse().ok()?;
         let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let is_long = decimals > DECIMALS && !number.contains('e');
+        let decimals = decimals.min(DECIMALS);
         let follows = |unit: &str| {
             let rest = after.strip_prefix(unit);
             rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
         };
         let said = |unit: ElevationUnit, value: f64, power: &str| match unit {
+            Metre if is_long => format!("{} m{power}", plain(metres, decimals)),
             Metre => format!("{number} m{power}"),
             _ if number.contains('e') => format!("{value:.1e} ft{power}"),
             _ => format!("{} ft{power}", plain(value, decimals)),
         };
         let plane = self.plane;
         if follows(" m") {
-            return self.heights.is_foot().then(|| (said(self.heights, self.heights.from_metres(metres), ""), " m"));
+            let is_changed = self.heights.is_foot() || is_long;
+            return is_changed.then(|| (said(self.heights, self.heights.from_metres(metres), ""), " m"));
         }
         if follows(" map units") {
             return plane.map(|unit| (said(unit, unit.from_metres(metres), ""), " map units"));
+        }
+        if follows(" ft") && is_long {
+            return Some((format!("{} ft", plain(metres, decimals)), " ft"));
         }
         if follows(" square map units") {
             return plane.map(|unit| (said(unit, unit.about(unit.about(metres)), "²"), " square map units"));
@@ -209,6 +220,9 @@ mod tests {
         let mixed = Units { heights: UsSurveyFoot, plane: Some(Metre) };
         assert_eq!(said(mixed, text), "a gap of 3.048 m in the contour 50 ft (feature 3) was closed");
         assert_eq!(said(FEET, "they differ by up to 3.0e-6 m"), "they differ by up to 9.8e-6 ft");
+        let long = "at 37.79994579185547 m, 0.00000012345 m and 1246.716705938243 ft, 2.5 ft, 1.25 m";
+        let short = "at 37.7999 m, 0.00000012345 m and 1246.7167 ft, 2.5 ft, 1.25 m";
+        assert_eq!([said(Units::METRES, long), said(UNKNOWN, long)], [short, short]);
         assert_eq!(said(FEET, "from -30.48006096012192 m; 9 square map units"), "from -100 ft; 97 ft²");
     }
 

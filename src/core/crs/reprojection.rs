@@ -44,6 +44,16 @@ pub struct Reprojection {
     originals: Arc<Originals>,
     /// The middle longitude of the file, if some longitudes are beyond 180 degrees.
     around: Option<f64>,
+    /// Heights that [`ElevationUnit::from_metres`] does not give back bit for bit.
+    heights: Arc<OddHeights>,
+}
+
+/// Heights of a file that come back from metres as a number beside their own: metres, and the number in the file; in the order
+/// of the metres. Few maps have such heights.
+#[derive(Debug, Default)]
+struct OddHeights {
+    unit: ElevationUnit,
+    pairs: Vec<[f64; 2]>,
 }
 
 /// Positions on the plane, with the coordinates that they had in the file. The table is made when an output first asks
@@ -142,8 +152,19 @@ impl Reprojection {
                 by_place: OnceLock::new(),
             }),
             around,
+            heights: Arc::default(),
         };
         Ok(Report { value: reprojection, findings })
+    }
+
+    /// The same with the heights of the file in `unit`, so that outputs in this unit have the very numbers of the file.
+    pub fn with_heights(self, unit: ElevationUnit, heights: impl IntoIterator<Item = f64>) -> Self {
+        let pair = |height: f64| [unit.metres(height), height];
+        let is_odd = |[metres, height]: &[f64; 2]| unit.from_metres(*metres).to_bits() != height.to_bits();
+        let mut pairs: Vec<[f64; 2]> = heights.into_iter().map(pair).filter(is_odd).collect();
+        pairs.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        pairs.dedup_by_key(|[metres, _]| metres.to_bits());
+        Self { heights: Arc::new(OddHeights { unit, pairs }), ..self }
     }
 
     /// Whether the map is worked on in the system of its file.
@@ -385,14 +406,27 @@ impl FromWorking {
         Self { crs, unit, ..self }
     }
 
+    /// The same to the system `to`.
+    ///
+    /// # Errors
+    /// As [`Reprojection::from_working`].
+    pub fn to(&self, to: &Crs) -> Result<Self> {
+        Ok(self.reprojection.from_working(Some(to))?.with_heights_in(self.unit))
+    }
+
     /// The unit of heights in the output.
     pub fn unit(&self) -> ElevationUnit {
         self.unit
     }
 
     /// A height on the plane, which is in metres, in the unit of the output.
+    ///
+    /// A height of the file is the number that the file has. Files of other programs have heights such as
+    /// 1246.716705938243 feet.
     pub fn height(&self, metres: f64) -> f64 {
-        self.unit.from_metres(metres)
+        let OddHeights { unit, pairs } = &*self.reprojection.heights;
+        let known = pairs.binary_search_by(|[known, _]| known.total_cmp(&metres)).ok().filter(|_| *unit == self.unit);
+        known.and_then(|k| pairs.get(k)).map_or_else(|| self.unit.from_metres(metres), |[_, height]| *height)
     }
 
     /// The system of the output, if it is known. It has no vertical part in another unit than the heights.
@@ -406,6 +440,13 @@ impl FromWorking {
             Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
             Target::Other { from_working, .. } => from_working.is_identity(),
         }
+    }
+
+    /// The position in the coordinates of the output, for a sentence.
+    pub fn place_in_words(&self, p: DVec2) -> String {
+        let decimals = if self.crs.as_ref().is_some_and(Crs::is_geographic) { 7 } else { 3 };
+        let words = |p: DVec2| format!("{:.decimals$} {:.decimals$}", p.x, p.y);
+        self.place(p).map_or("a place outside the coordinate reference system".to_owned(), words)
     }
 
     /// The position in the coordinates of the output; `None` if it has none.

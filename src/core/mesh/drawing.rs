@@ -21,6 +21,7 @@ impl Mesh {
         Some(Self {
             origin,
             vertices: self.vertices.iter().map(place).collect(),
+            break_lines: self.break_lines.iter().map(|line| line.iter().map(place).collect()).collect(),
             base: self.base.map(|base| base / unit.metres),
             crs: Some(crs.clone()),
             unit: Some(unit),
@@ -32,9 +33,11 @@ impl Mesh {
     pub fn in_metres(&self) -> Option<Self> {
         let LengthUnit { metres, .. } = self.unit.clone()?;
         let origin = (self.origin * metres).round();
+        let place = |v: &DVec3| (*v + self.origin) * metres - origin;
         Some(Self {
             origin,
-            vertices: self.vertices.iter().map(|v| (*v + self.origin) * metres - origin).collect(),
+            vertices: self.vertices.iter().map(place).collect(),
+            break_lines: self.break_lines.iter().map(|line| line.iter().map(place).collect()).collect(),
             base: self.base.map(|base| base * metres),
             crs: self.crs.as_ref().map(|crs| crs.local_in_metres().unwrap_or_else(|| crs.clone())),
             unit: None,
@@ -69,6 +72,7 @@ mod tests {
         let origin = DVec3::new(609_600.0, 182_900.0, 0.0);
         let vertex = |k: usize| points[k].extend(30.0) - origin;
         let mesh = Mesh {
+            break_lines: Vec::new(),
             origin,
             vertices: (0..3).map(vertex).collect(),
             normals: vec![Vec3::Z; 3],

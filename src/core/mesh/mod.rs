@@ -39,6 +39,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Corners of the triangles, counter-clockwise seen from above. In a solid, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Break lines of the input as they are used, relative to the origin. Formats of surfaces hold them beside the triangles.
+    pub break_lines: Vec<Vec<DVec3>>,
     /// Height of the bottom, if the mesh is a solid.
     pub base: Option<f64>,
     /// The coordinate reference system, if known.
@@ -67,6 +69,7 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
         return Err(Error::Data(format!("the surface has no height at {:.3} {:.3}", place.x, place.y)));
     }
     let mut mesh = Mesh {
+        break_lines: Vec::new(),
         origin: tin.origin.extend(0.0),
         vertices,
         normals: Vec::new(),

@@ -5,6 +5,7 @@ mod blocks;
 pub(crate) mod gradient;
 mod ground;
 mod height_map;
+mod in_unit;
 mod part;
 mod rasterise;
 mod rows;
@@ -20,6 +21,7 @@ pub(crate) use gradient::gradient_at;
 pub use ground::other_unit;
 pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
 pub use height_map::Dem;
+pub use in_unit::InUnit;
 #[doc(hidden)]
 pub use part::mask;
 pub(crate) use rasterise::{height, heights_at};

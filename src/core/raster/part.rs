@@ -41,7 +41,7 @@ impl Dem {
     pub fn inside(mut self, frame: &MultiPolygon<f64>) -> Result<Self> {
         mask(&mut self, frame, &Some);
         match self.values.iter().all(|height| height.is_nan()) {
-            true => Err(Error::Data("no cell of the height map with a height lies inside the frame polygon".into())),
+            true => Err(Error::Data("no cell of the height map with a height lies inside the polygon".into())),
             false => Ok(self),
         }
     }
@@ -93,7 +93,7 @@ mod tests {
         // A centre on the border is inside.
         assert_eq!((found.grid, left), (dem().grid, vec![1.0, 2.0, 3.0, 6.0, 7.0, 8.0]));
         let error = dem().inside(&rectangle(0.0, 0.0, 1.0, 1.0)).unwrap_err();
-        assert!(error.to_string().contains("inside the frame polygon"), "{error}");
+        assert!(error.to_string().contains("inside the polygon"), "{error}");
     }
 
     #[test]

@@ -38,7 +38,7 @@ const fn most(subject: Subject) -> (f64, f32) {
 
 /// How much of the lines is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shown {
+pub(crate) enum Shown {
     All,
     /// Without the shortest.
     Longest,
@@ -47,7 +47,7 @@ pub(super) enum Shown {
 
 /// The lines that are drawn, in map units.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Chosen {
+pub(crate) struct Chosen {
     pub lines: Vec<(BreakKind, Vec<DVec3>)>,
     pub shown: Shown,
     /// Pixels.
@@ -62,7 +62,7 @@ impl Chosen {
 }
 
 /// Chooses the lines to draw on a map of `area` pixels with pixels of a size in map units, inside of a frame.
-pub(super) fn choose(lines: &[BreakLine], frame: &[[DVec2; 2]], (pixel, area): (f64, f64), subject: Subject) -> Chosen {
+pub(crate) fn choose(lines: &[BreakLine], frame: &[[DVec2; 2]], (pixel, area): (f64, f64), subject: Subject) -> Chosen {
     let edges = frame.iter().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect();
     let edges = RTree::bulk_load(edges);
     let finite = lines.iter().filter(|line| line.points.iter().all(|p| p.is_finite()));

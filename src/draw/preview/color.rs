@@ -18,6 +18,9 @@ pub(crate) const RIDGE: Rgb = [140, 20, 120];
 /// Canyon lines.
 pub(crate) const CANYON: Rgb = [0, 100, 200];
 
+/// The border of a part of the map.
+pub(crate) const BORDER: Rgb = [176, 24, 40];
+
 /// The tint from the lowest to the highest ground: the higher the lighter and warmer, as mountains are seen from above
 /// through the air. Evenly spaced.
 const STOPS: [Rgb; 7] = [

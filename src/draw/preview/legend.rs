@@ -91,7 +91,7 @@ pub(super) fn crs_label(crs: &Crs) -> Option<String> {
     })
 }
 
-fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
+pub(crate) fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
     let mut keys = Vec::new();
     let mut contours = |class: &Option<Class>, kind: &str| {
         let Some(class) = class else { return };
@@ -105,8 +105,11 @@ fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, 
                 let (all, drawn) = (interval.unwrap_or_default(), step(every).unwrap_or_default());
                 keys.push((Some(class.style), format!("{kind}, {all}, drawn every {drawn}{room}")));
             }
-            (None, Some(interval)) => keys.push((None, format!("{kind}, {interval}: too dense to draw"))),
-            (None, None) => keys.push((None, format!("{kind}: too dense to draw"))),
+            (None, interval) => {
+                let interval = interval.map_or_else(String::new, |interval| format!(", {interval}"));
+                let larger = class.larger.map_or_else(String::new, |size| format!(" below {size} times this size"));
+                keys.push((None, format!("{kind}{interval}: too dense to draw{larger}")));
+            }
         }
     };
     contours(&plan.input, if plan.of_height_map { "Contours" } else { "Input contours" });

@@ -10,20 +10,19 @@
 //! Where contours would lie closer than a few pixels, only some levels are drawn. Ridge and canyon lines that would hide
 //! the ground are left out. The legend says what is drawn.
 
-mod break_lines;
+pub(crate) mod break_lines;
 pub(crate) mod canvas;
 pub(crate) mod color;
 mod density;
 mod kinds;
 mod labels;
-mod legend;
+pub(crate) mod legend;
 mod lines;
 mod margin;
 mod oblique;
-mod patches;
-mod plan;
-mod render;
-mod scene;
+pub(crate) mod patches;
+pub(crate) mod plan;
+pub(crate) mod render;
 mod sheet;
 pub(crate) mod stroke;
 pub(crate) mod text;
@@ -34,6 +33,5 @@ pub use kinds::{landform_patches, triangle_patches};
 pub use oblique::{Model, render_model};
 pub use patches::{Patch, PatchClass, Patches};
 pub use render::render;
-pub use scene::{height_map_picture, picture, subdivision_picture};
 pub use sheet::{MAX_SIDE, map_grid};
 pub use view::{Preview, Subject};

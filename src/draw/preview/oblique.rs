@@ -330,7 +330,7 @@ mod tests {
         let triangles = squares.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
         let normals = vec![glam::Vec3::Z; vertices.len()];
         let origin = DVec3::new(14_000.0, -16_500.0, 0.0);
-        Mesh { origin, vertices, normals, triangles, base: None, crs: None, unit: None }
+        Mesh { origin, vertices, normals, triangles, break_lines: Vec::new(), base: None, crs: None, unit: None }
     }
 
     fn picture(mesh: &Mesh, break_lines: &[BreakLine]) -> RgbImage {

@@ -47,7 +47,7 @@ pub struct Patches {
 
 impl Patches {
     /// The names of the classes that occur, and their colours as they look on white paper.
-    pub(super) fn present(&self) -> Vec<(Rgb, String)> {
+    pub(crate) fn present(&self) -> Vec<(Rgb, String)> {
         let on_paper = |c: u8| (f32::from(c) * ALPHA + 255.0 * (1.0 - ALPHA)).round() as u8;
         let occurs = |class: usize| self.areas.iter().any(|area| area.class == class);
         let classes = self.classes.iter().enumerate().filter(|(class, _)| occurs(*class));
@@ -56,7 +56,7 @@ impl Patches {
 }
 
 /// Fills and outlines the areas.
-pub(super) fn draw(map: &mut Pixmap, grid: &Grid, patches: &Patches) {
+pub(crate) fn draw(map: &mut Pixmap, grid: &Grid, patches: &Patches) {
     let mut drawn = Vec::new();
     for area in &patches.areas {
         let Some(class) = patches.classes.get(area.class) else { continue };

@@ -5,7 +5,8 @@
 //!
 //! * If too much of the input's lines is crowded, only every second, fifth, tenth ... level is drawn.
 //! * Interpolated levels are thinned out until enough of them has room between all lines that are drawn. The step must
-//!   divide the input's interval evenly. If no such step exists, none of them is drawn.
+//!   divide the input's interval evenly. If no such step exists, the widest one is drawn where it has room; if that is hardly
+//!   anywhere, none of them is drawn, and the legend says at which size they have room.
 //! * What is crowded still, on steep slopes, fades out there. Index contours stay, as on printed maps.
 //!
 //! The legend says what is drawn.
@@ -21,6 +22,9 @@ const INPUT_ROOM: (f64, f64) = (3.2, 0.75);
 /// Spacing at which interpolated contours have room among all lines that are drawn, and the share of the area with such
 /// lines that must have it.
 const INTERPOLATED_ROOM: (f64, f64) = (3.6, 0.3);
+/// If that share is too small for every step of levels, the widest step is drawn all the same where it has room, if this share
+/// of the area has it.
+const SOME_ROOM: f64 = 0.03;
 /// Lines fade out from the spacing at which they have room down to this share of it.
 const GONE: f64 = 0.6;
 /// The legend mentions that lines fade out if this share of them does.
@@ -36,7 +40,7 @@ const INDEX_EVERY: u32 = 5;
 
 /// What is drawn of one source of contours.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Class {
+pub(crate) struct Class {
     /// How the levels follow each other, if there is more than one.
     spacing: Option<Spacing>,
     /// Every n-th level is drawn; `None` if the lines are too dense and none is drawn.
@@ -53,11 +57,13 @@ pub(super) struct Class {
     room: f64,
     /// Whether some of them have none.
     pub fades: bool,
+    /// How many times larger the picture must be so that lines have room; `None` if nobody asked.
+    pub larger: Option<f64>,
 }
 
 /// What is drawn of the contours; `None` where there are none of the kind.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     /// The contours of the input, or those of a height map.
     pub input: Option<Class>,
     pub interpolated: Option<Class>,
@@ -71,7 +77,7 @@ pub(super) struct Plan {
 }
 
 /// The kind of line that a line is drawn as. Lines of a height map are drawn like those of the input.
-pub(super) fn drawn_as(line: &ContourLine) -> Source {
+pub(crate) fn drawn_as(line: &ContourLine) -> Source {
     match line.source {
         Source::Input | Source::HeightMap => Source::Input,
         Source::Interpolated => Source::Interpolated,
@@ -90,7 +96,7 @@ enum Index {
 }
 
 /// Chooses the levels to draw on a map.
-pub(super) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
+pub(crate) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
     let of = |source| contours.iter().filter(move |c| drawn_as(c) == source && c.elevation.is_finite());
     let points = |line: &'_ &ContourLine| !line.points.is_empty();
     let density = |source| Density::of(grid, of(source).filter(points).map(|c| c.points.as_slice()));
@@ -127,14 +133,17 @@ pub(super) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
         let (room, share) = INTERPOLATED_ROOM;
         let kept = |every: u32| new.thinned(every);
         let fits = |every: &u32| kept(*every).area_with_room(&drawn.and(&kept(*every)), room) >= share;
-        let every = (1..=MOST_PARTS).filter(even).find(fits);
+        let widest = (1..=MOST_PARTS).rfind(even);
+        let has_some = |every: &u32| kept(*every).area_with_room(&drawn.and(&kept(*every)), room) >= SOME_ROOM;
+        let every = (1..=MOST_PARTS).filter(even).find(fits).or(widest.filter(has_some));
+        let larger = widest.map(|every| (room / drawn.and(&kept(every)).spacing()).ceil());
         let own = every.map_or_else(|| Density::none(grid), kept);
         let crowd = drawn.and(&own);
         let strength = strength(crowd.spacing(), room);
         let style =
             Style { color: INTERPOLATED, width: 0.65 + 0.3 * strength, alpha: 0.7 + 0.2 * strength, dashes: None };
         let index_style = Style { width: style.width * 1.6, alpha: (style.alpha + 0.15).min(1.0), ..style };
-        Class::new(all, every, [style, index_style], crowd, &own, room)
+        Class { larger, ..Class::new(all, every, [style, index_style], crowd, &own, room) }
     });
     let of_height_map = contours.iter().any(|line| line.source == Source::HeightMap);
     let plan = Plan { input, interpolated, index: Index::Marked, index_interval: None, index_levels: 0, of_height_map };
@@ -209,7 +218,18 @@ impl Class {
         room: f64,
     ) -> Self {
         let fades = own.share_with_room(&crowd, room) < 1.0 - MENTIONED;
-        Self { spacing, every, style, index_style, has_index: false, has_inferred: false, crowd, room, fades }
+        Self {
+            spacing,
+            every,
+            style,
+            index_style,
+            has_index: false,
+            has_inferred: false,
+            crowd,
+            room,
+            fades,
+            larger: None,
+        }
     }
 
     /// The usual step between neighbouring levels, metres.
@@ -234,7 +254,7 @@ impl Class {
 }
 
 /// Whether a line is inferred: the contours say little about the height there.
-pub(super) fn is_inferred(line: &ContourLine) -> bool {
+pub(crate) fn is_inferred(line: &ContourLine) -> bool {
     line.expected.is_some_and(|expected| expected.inferred)
 }
 

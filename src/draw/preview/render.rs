@@ -1,19 +1,22 @@
 //! The picture of a map from above.
 
+use geo::MultiPolygon;
 use glam::DVec2;
 use image::RgbImage;
 use rayon::prelude::*;
 use tiny_skia::Pixmap;
 
 use super::canvas::{image_of, pixmap};
-use super::color::{self, PAPER, Tint};
+use super::color::{self, BORDER, PAPER, Tint};
 use super::plan::{Plan, plan};
 use super::sheet::{Head, MARGIN, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
+use super::stroke::{Style, path, stroke};
 use super::text::Typesetter;
 use super::view::Preview;
 use super::{break_lines, labels, legend, lines, margin, patches};
 use crate::coordinates::{Notation, Ticks, ticks};
 use crate::scale;
+use tokosen_core::base::Grid;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::crs::{Crs, Reprojection};
 use tokosen_core::dem::shade::{ShadeParams, hillshade, steepness};
@@ -23,6 +26,9 @@ use tokosen_core::raster::Dem;
 const GOOD_SLOPE: f64 = 0.42;
 /// The greatest factor on heights.
 const EXAGGERATION: (f64, f64) = (0.6, 8.0);
+
+/// The border of a part of the map.
+const OUTLINE: Style = Style { color: BORDER, width: 2.2, alpha: 1.0, dashes: None };
 
 /// Draws the picture.
 ///
@@ -41,6 +47,7 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let mut map = relief(input.dem, range)?;
     if let Some(patches) = input.patches {
         patches::draw(&mut map, &grid, patches);
+        blank(&mut map, input.dem, input.outline);
     }
     let covered = input.dem.values.iter().filter(|v| v.is_finite()).count();
     let plan = plan(input.contours, &grid);
@@ -51,6 +58,7 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let gaps = labels::gaps(&labels, &grid);
     lines::draw(&mut map, &grid, input.contours, &plan, &break_lines, gaps.as_ref());
     labels::draw(&mut map, &labels, &grid, &setter);
+    outline(&mut map, &grid, input.outline);
 
     let room = grid.cols.max(MIN_LEGEND);
     let (head, remark) = head(input, &plan, room, &setter);
@@ -68,13 +76,30 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let blocks = legend::blocks(content, room as f32, &setter);
     let mut sheet = sheet(&map, &blocks, room, &head, &setter)?;
     let corner = (MARGIN + (room - grid.cols) / 2, head.top());
-    margin::draw(&mut sheet, corner, (grid.cols, grid.rows), &coordinates(input), &setter);
+    let size = DVec2::new(grid.cols as f64, grid.rows as f64);
+    let ticks = coordinates(input, size, grid.cell.x, grid.corner);
+    margin::draw(&mut sheet, corner, (grid.cols, grid.rows), &ticks, &setter);
     Ok(image_of(&sheet))
 }
 
-/// What stands above the map: the interval of the contours and the coordinate reference system. If there is no room for
-/// the system, it is a remark in the legend.
-fn head<'a>(input: &Preview<'a>, plan: &Plan, room: usize, setter: &Typesetter) -> (Head<'a>, Option<String>) {
+/// Turns what was drawn outside of a part into paper again.
+pub(crate) fn blank(map: &mut Pixmap, dem: &Dem, part: Option<&MultiPolygon<f64>>) {
+    if part.is_some() {
+        let [r, g, b] = PAPER;
+        let pixels = map.data_mut().chunks_exact_mut(4).zip(&dem.values).filter(|(_, height)| height.is_nan());
+        pixels.for_each(|(pixel, _)| pixel.copy_from_slice(&[r, g, b, 255]));
+    }
+}
+
+/// Draws the border of a part.
+fn outline(map: &mut Pixmap, grid: &Grid, part: Option<&MultiPolygon<f64>>) {
+    let rings = part.into_iter().flatten().flat_map(|p| std::iter::once(p.exterior()).chain(p.interiors()));
+    let lines = rings.map(|ring| ring.coords().map(|c| DVec2::new(c.x, c.y)));
+    stroke(map, path(grid, lines), OUTLINE, None);
+}
+
+/// What the contours are, and the coordinate reference system.
+pub(crate) fn notes(input: &Preview<'_>, plan: &Plan) -> [Option<String>; 2] {
     let interval =
         |class: &Option<_>| class.as_ref().and_then(super::plan::Class::interval).map(|z| input.units.height(z));
     let contours = match (interval(&plan.input), interval(&plan.interpolated)) {
@@ -88,6 +113,12 @@ fn head<'a>(input: &Preview<'a>, plan: &Plan, room: usize, setter: &Typesetter) 
         (Some((crs, _)), Some(plane)) => legend::crs_label(crs).map(|name| format!("{name}, drawn on {plane}")),
         (_, plane) => plane,
     };
+    [contours, crs]
+}
+
+/// What stands above the map. If there is no room for the coordinate reference system, it is a remark in the legend.
+fn head<'a>(input: &Preview<'a>, plan: &Plan, room: usize, setter: &Typesetter) -> (Head<'a>, Option<String>) {
+    let [contours, crs] = notes(input, plan);
     let bare = Head { title: input.title, note: None };
     let both: Vec<&str> = contours.iter().chain(&crs).map(String::as_str).collect();
     let both = both.join("  ·  ");
@@ -112,12 +143,10 @@ fn drawing<'a>(input: &Preview<'a>) -> Option<&'a Reprojection> {
     input.reprojection.filter(|known| known.plane_of_drawing().is_some()).filter(is_on_plane)
 }
 
-/// The coordinates along the edges of the map: degrees if the input is in degrees, those of a drawing if it
-/// is one in another unit than metres, else those of the plane.
-fn coordinates(input: &Preview<'_>) -> Ticks {
-    let grid = input.dem.grid;
-    let size = DVec2::new(grid.cols as f64, grid.rows as f64);
-    let on_plane = |p: DVec2| grid.corner + DVec2::new(p.x, -p.y) * grid.cell;
+/// The coordinates along the edges of a map of some pixels, given the map units in a pixel and the upper left corner: degrees if
+/// the input is in degrees, those of a drawing if it is one in another unit than metres, else those of the plane.
+pub(crate) fn coordinates(input: &Preview<'_>, size: DVec2, pixel: f64, corner: DVec2) -> Ticks {
+    let on_plane = |p: DVec2| corner + DVec2::new(p.x, -p.y) * pixel;
     if let Some((_, reprojection)) = degrees(input) {
         return ticks(size, Notation::Degrees, |p| reprojection.in_input(on_plane(p)));
     }
@@ -133,13 +162,13 @@ fn coordinates(input: &Preview<'_>) -> Ticks {
 }
 
 /// The lowest and the highest height.
-fn range(values: &[f32]) -> Option<(f64, f64)> {
+pub(crate) fn range(values: &[f32]) -> Option<(f64, f64)> {
     let finite = values.iter().copied().filter(|v| v.is_finite()).map(f64::from);
     finite.fold(None, |range, v| Some(range.map_or((v, v), |(low, high): (f64, f64)| (low.min(v), high.max(v)))))
 }
 
 /// The tinted and shaded surface.
-fn relief(dem: &Dem, range: Option<(f64, f64)>) -> Result<Pixmap> {
+pub(crate) fn relief(dem: &Dem, range: Option<(f64, f64)>) -> Result<Pixmap> {
     let mut map = pixmap(dem.grid.cols, dem.grid.rows)?;
     let metres_per_unit = dem.metres_per_unit().unwrap_or(DVec2::ONE);
     let exaggeration = exaggeration(&steepness(dem, metres_per_unit));

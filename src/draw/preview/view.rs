@@ -1,5 +1,6 @@
 //! What a picture shows.
 
+use geo::MultiPolygon;
 use glam::DVec2;
 
 use super::patches::Patches;
@@ -30,6 +31,8 @@ pub struct Preview<'a> {
     pub units: Units,
     /// A title above the map.
     pub title: Option<&'a str>,
+    /// The border of the part of the map that the picture is about.
+    pub outline: Option<&'a MultiPolygon<f64>>,
 }
 
 impl<'a> Preview<'a> {
@@ -45,6 +48,7 @@ impl<'a> Preview<'a> {
             reprojection: None,
             units: Units::METRES,
             title: None,
+            outline: None,
         }
     }
 }

@@ -6,6 +6,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::profile::Profile;
+use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::dem::compare::{Comparison, LevelHistogram};
 
@@ -48,7 +49,8 @@ pub(super) fn difference_histogram(&Bars { limit, width, counts: bars }: &Bars, 
     let top = share(bars.iter().copied().max().unwrap_or(0)).max(1e-3) * 1.08;
     draw(|root| {
         let mut chart = frame(&root)?.build_cartesian_2d(-limit..limit, 0.0..top)?;
-        mesh(&mut chart, "A − B [m]; outer bars: and beyond", "cells [%]")?;
+        let label = format!("A − B [{}]; outer bars: and beyond", found.unit.symbol());
+        mesh(&mut chart, &label, "cells [%]")?;
         let bar = |(i, &n): (usize, &usize)| {
             let left = -limit + i as f64 * width;
             Rectangle::new([(left, 0.0), (left + width * 0.94, share(n))], BARS.filled())
@@ -85,12 +87,13 @@ impl Pairs {
 }
 
 /// Heights of A against heights of B; darker means more cells.
-pub(super) fn scatter(Pairs { lo, hi, size, counts }: &Pairs) -> Result<String> {
+pub(super) fn scatter(Pairs { lo, hi, size, counts }: &Pairs, unit: ElevationUnit) -> Result<String> {
     let (lo, hi, size) = (*lo, *hi, *size);
     let most = counts.iter().copied().max().unwrap_or(1).max(2) as f64;
     draw(|root| {
         let mut chart = frame(&root)?.build_cartesian_2d(lo..hi, lo..hi)?;
-        mesh(&mut chart, "height of B [m]", "height of A [m]")?;
+        let [b, a] = ["B", "A"].map(|side| format!("height of {side} [{}]", unit.symbol()));
+        mesh(&mut chart, &b, &a)?;
         let filled = counts.iter().enumerate().filter(|(_, n)| **n > 0);
         chart.draw_series(filled.map(|(i, &n)| {
             let (x, y) = (lo + (i % SCATTER) as f64 * size, lo + (i / SCATTER) as f64 * size);
@@ -104,12 +107,13 @@ pub(super) fn scatter(Pairs { lo, hi, size, counts }: &Pairs) -> Result<String> 
 }
 
 /// Heights of both along a line.
-pub(super) fn profile(profile: &Profile) -> Result<String> {
+pub(super) fn profile(profile: &Profile, unit: ElevationUnit) -> Result<String> {
     let length = profile.points.last().map_or(0.0, |p| p.0).max(1e-3);
     let (lo, hi) = range(profile.points.iter().flat_map(|p| p.1));
     draw(|root| {
         let mut chart = frame(&root)?.build_cartesian_2d(0.0..length, lo..hi)?;
-        mesh(&mut chart, "from west to east [m]", "height [m]")?;
+        let unit = unit.symbol();
+        mesh(&mut chart, &format!("from west to east [{unit}]"), &format!("height [{unit}]"))?;
         for (side, color) in [(1, B), (0, A)] {
             for run in profile.points.split(|p| p.1[side].is_nan()).filter(|run| run.len() > 1) {
                 chart.draw_series(LineSeries::new(run.iter().map(|p| (p.0, p.1[side])), color.stroke_width(2)))?;
@@ -120,14 +124,15 @@ pub(super) fn profile(profile: &Profile) -> Result<String> {
 }
 
 /// Heights modulo the contour interval, of one side or both.
-pub(super) fn levels(a: Option<&LevelHistogram>, b: Option<&LevelHistogram>) -> Result<String> {
+pub(super) fn levels(a: Option<&LevelHistogram>, b: Option<&LevelHistogram>, unit: ElevationUnit) -> Result<String> {
     let interval = a.or(b).map_or(1.0, |h| h.interval);
     let sides = [(a, A), (b, B)].into_iter().filter_map(|(side, color)| Some((side?, color)));
     let sides: Vec<_> = sides.filter(|(side, _)| side.interval == interval).collect();
+    let interval = unit.about(interval);
     let top = sides.iter().flat_map(|(side, _)| &side.shares).fold(0.06, |top: f64, &s| top.max(s)) * 108.0;
     draw(|root| {
         let mut chart = frame(&root)?.build_cartesian_2d(0.0..interval, 0.0..top)?;
-        mesh(&mut chart, "height above the level [m]", "cells [%]")?;
+        mesh(&mut chart, &format!("height above the level [{}]", unit.symbol()), "cells [%]")?;
         chart.draw_series(LineSeries::new([(0.0, 5.0), (interval, 5.0)], BLACK.mix(0.5)))?;
         for (side, color) in &sides {
             let width = interval / side.shares.len() as f64;
@@ -219,7 +224,7 @@ mod tests {
 
     #[test]
     fn an_empty_profile_is_a_chart_without_lines() {
-        let svg = profile(&Profile { ends: [glam::DVec2::ZERO; 2], points: Vec::new() }).unwrap();
+        let svg = profile(&Profile { ends: [glam::DVec2::ZERO; 2], points: Vec::new() }, ElevationUnit::Metre).unwrap();
         assert!(svg.starts_with("<svg") && svg.contains("viewBox"), "{svg}");
     }
 }

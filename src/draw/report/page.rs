@@ -31,9 +31,9 @@ pub struct ComparisonPage<'a> {
     pub a: &'a dyn RasterRows,
     /// Heights of B at the same cells.
     pub b: &'a dyn RasterRows,
-    /// The figures.
+    /// The figures. The heights are in their unit.
     pub found: &'a Comparison,
-    /// Metres per map unit in x and y, as for the figures.
+    /// Metres per map unit in x and y, or other units of the figures, as for these.
     pub metres_per_unit: DVec2,
 }
 
@@ -70,7 +70,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let [view, half] = [Width::Page, Width::Half].map(|width| View::new(&shown, b, metres_per_unit, width));
     let levels = match (&found.a.levels, &found.b.levels) {
         (None, None) => None,
-        (a, b) => Some(charts::levels(a.as_ref(), b.as_ref())?),
+        (a, b) => Some(charts::levels(a.as_ref(), b.as_ref(), found.unit)?),
     };
     let chart = |svg: String, caption: Markup| {
         html! { figure { (PreEscaped(svg)) figcaption { (caption) } } }
@@ -102,7 +102,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
                     div.bar style=(format!("background: linear-gradient(to right, {})", gradient())) {}
                     div.bar-labels {
                         @for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-                            span { (number(share * limit, decimals_for(limit))) @if share == 1.0 { " m" } }
+                            span { (number(share * limit, decimals_for(limit))) @if share == 1.0 { " " (found.unit.symbol()) } }
                         }
                     }
                     figcaption {
@@ -119,8 +119,8 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
                 h2 { "Charts" }
                 div.pair {
                     (chart(charts::difference_histogram(&survey.bars, found)?, html! { "How often which difference occurs; red line: the bias." }))
-                    (chart(charts::scatter(&survey.pairs)?, html! { "A against B, cell by cell; red line: equal heights." }))
-                    (chart(charts::profile(&profile)?, html! { "Heights of " (letters) " along the line in the map, through the largest difference." }))
+                    (chart(charts::scatter(&survey.pairs, found.unit)?, html! { "A against B, cell by cell; red line: equal heights." }))
+                    (chart(charts::profile(&profile, found.unit)?, html! { "Heights of " (letters) " along the line in the map, through the largest difference." }))
                     @if let Some(svg) = levels {
                         (chart(svg, html! { "Heights of " (letters) " above the contour level below; grey line: ground without terraces." }))
                     }
@@ -137,9 +137,10 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
 
 fn key_figures(found: &Comparison) -> Markup {
     let s = &found.overall;
-    let metres = |v: f64| format!("{} m", number(v, decimals_for(s.rmse)));
+    let unit = found.unit.symbol();
+    let height = |v: f64| format!("{} {unit}", number(v, decimals_for(s.rmse)));
     let mut figures =
-        vec![(metres(s.rmse), "RMSE"), (metres(s.bias), "bias"), (metres(s.mae), "MAE"), (metres(s.le90), "LE90")];
+        vec![(height(s.rmse), "RMSE"), (height(s.bias), "bias"), (height(s.mae), "MAE"), (height(s.le90), "LE90")];
     figures.extend(found.slope.map(|slope| (format!("{}°", number(slope.rmse, 2)), "slope RMSE")));
     figures.push((thousands(s.cells), "cells compared"));
     html! {
@@ -172,7 +173,7 @@ fn tables(found: &Comparison) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th { "metres" } @for column in COLUMNS { th scope="col" { (column) } } } }
+                thead { tr { th { (found.unit.name()) } @for column in COLUMNS { th scope="col" { (column) } } } }
                 tbody {
                     @for (k, group) in groups(found).into_iter().enumerate() {
                         @if k > 0 { tr.group { th colspan=(COLUMNS.len() + 1) { (group.title) } } }

@@ -27,11 +27,12 @@ pub fn groups(found: &Comparison) -> Vec<Group> {
         .into_iter()
         .filter_map(|(label, side)| Some(Row { label: label.into(), statistics: Some(side.points?) }))
         .collect();
+    let unit = format!(" {}", found.unit.symbol());
     let groups = [
         Group { title: "A − B", rows: all },
         Group { title: "by slope of B", rows: classes(&found.by_slope, "°") },
-        Group { title: "by elevation of B", rows: classes(&found.by_elevation, " m") },
-        Group { title: "by distance to the nearest contour", rows: classes(&found.by_distance, " m") },
+        Group { title: "by elevation of B", rows: classes(&found.by_elevation, &unit) },
+        Group { title: "by distance to the nearest contour", rows: classes(&found.by_distance, &unit) },
         Group { title: "against check points", rows: points },
     ];
     groups.into_iter().filter(|group| !group.rows.is_empty()).collect()

@@ -1,6 +1,7 @@
 //! What the figures of a comparison mean, in sentences.
 
 use super::table::{decimals_for, number};
+use tokosen_core::base::{ElevationUnit, Units};
 use tokosen_core::dem::compare::{Comparison, HeightFigures, Precision};
 
 /// What heights come from.
@@ -17,12 +18,13 @@ pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
     let mut out = Vec::new();
     let overall = &found.overall;
     let decimals = decimals_for(overall.rmse);
-    let metres = |value: f64| format!("{} m", number(value, decimals));
+    let unit = found.unit.symbol();
+    let height = |value: f64| format!("{} {unit}", number(value, decimals));
     out.push(format!(
         "Lowest difference {} at {}, highest {} at {}.",
-        metres(overall.lowest.value),
+        height(overall.lowest.value),
         place(overall.lowest.place),
-        metres(overall.highest.value),
+        height(overall.highest.value),
         place(overall.highest.place)
     ));
     if let Some(slope) = &found.slope {
@@ -35,12 +37,12 @@ pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
     }
     if let Some(s) = &found.significance {
         let left = if s.rmse_beyond > 0.0 {
-            format!("an RMSE of {} is left beyond that accuracy", metres(s.rmse_beyond))
+            format!("an RMSE of {} is left beyond that accuracy", height(s.rmse_beyond))
         } else {
             "the RMSE is no more than that accuracy accounts for".into()
         };
         out.push(format!(
-            "{} % of the cells differ by more than {} m, 1.96 times the stated accuracy of {} m (5 % would by chance \
+            "{} % of the cells differ by more than {} {unit}, 1.96 times the stated accuracy of {} {unit} (5 % would by chance \
              alone); {left}.",
             number(100.0 * s.share, 1),
             number(s.limit, 2),
@@ -51,8 +53,8 @@ pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
         let furthest = bands.furthest.map_or(String::new(), |f| {
             format!(
                 ", on average by {}, at most by {} at {}",
-                metres(bands.mean_excess),
-                metres(f.value),
+                height(bands.mean_excess),
+                height(f.value),
                 place(f.place)
             )
         });
@@ -62,7 +64,7 @@ pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
         ));
     }
     for (name, side, source) in [("A", &found.a, sources[0]), ("B", &found.b, sources[1])] {
-        out.extend(terraces(name, side, source));
+        out.extend(terraces(name, side, source, found.unit));
         // The heights of a surface are computed, so their rounding means nothing.
         if source == HeightSource::HeightMap {
             out.extend(precision(name, side));
@@ -79,19 +81,19 @@ fn precision(name: &str, side: &HeightFigures) -> Option<String> {
     Some(format!("All heights of {name} are {unit}: no difference below that means anything."))
 }
 
-fn terraces(name: &str, side: &HeightFigures, source: HeightSource) -> Option<String> {
+fn terraces(name: &str, side: &HeightFigures, source: HeightSource, unit: ElevationUnit) -> Option<String> {
     let levels = side.levels.as_ref().filter(|levels| levels.terraced == Some(true))?;
+    let interval = Units::all(unit).height(levels.interval);
     let meaning = match source {
         HeightSource::HeightMap => {
-            format!("It looks like a height map that was made from contours {} m apart", levels.interval)
+            format!("It looks like a height map that was made from contours {interval} apart")
         }
         HeightSource::Surface => "They come from flat triangles between vertices of one contour".into(),
     };
     Some(format!(
-        "{name} has terraces: {} % of its heights are within 5 % of the interval of {} m from one of its levels, where {} % \
+        "{name} has terraces: {} % of its heights are within 5 % of the interval of {interval} from one of its levels, where {} % \
          would be expected, most clearly at {} of {} levels. {meaning}.",
         number(100.0 * levels.near, 1),
-        levels.interval,
         number(100.0 * levels.expected, 1),
         levels.terraced_levels,
         levels.levels

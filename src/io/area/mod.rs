@@ -31,7 +31,7 @@ pub(super) struct Member {
 
 /// The area inside all polygons of a table.
 pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
-    check_polygons(path, &table, "a frame")?;
+    check_polygons(path, &table, "the border of an area")?;
     let members = members(path, table)?;
     let groups = groups(path, &members, &|_, _| true)?;
     check_all(path, &members)?;

@@ -106,9 +106,7 @@ impl Units {
             (_, Some(_)) => Rule::Keep,
         };
         match (rule, only, asked) {
-            (Rule::Each, ..) => {
-                add(FindingKind::HeightUnit, format!("{states}; each elevation was turned into metres"))
-            }
+            (Rule::Each, ..) => add(FindingKind::HeightUnit, format!("{states}; each elevation was read in its unit")),
             (Rule::Keep, None, Some(asked)) => {
                 add(
                     FindingKind::UnitDoubt,

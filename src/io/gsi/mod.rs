@@ -29,6 +29,7 @@ use std::path::Path;
 pub(super) use features::read;
 pub use product::Product;
 
+use crate::landxml::is_landxml;
 use crate::meter::DocumentReader;
 use crate::xml::unreadable;
 use crate::zipped;
@@ -42,7 +43,9 @@ const BEGINNING: u64 = 4096;
 
 /// Whether a path is read as files of 基盤地図情報: a folder, a `.xml`, or a `.zip` that is not a zipped shapefile.
 pub(super) fn is_source(path: &Path) -> bool {
-    has_extension(path, "xml") || has_extension(path, "zip") && !zipped::is_shapefile(path) || path.is_dir()
+    has_extension(path, "xml") && !is_landxml(path)
+        || has_extension(path, "zip") && !zipped::is_shapefile(path)
+        || path.is_dir()
 }
 
 /// A height map and its product.

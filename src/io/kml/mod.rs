@@ -6,7 +6,9 @@
 //! the extended data, and the rows of a table in the description, as ArcGIS writes them.
 
 mod description;
+mod looks;
 mod shapes;
+mod write;
 
 use std::io::BufReader;
 use std::path::Path;
@@ -21,6 +23,8 @@ use shapes::Shapes;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 use tokosen_core::base::memory;
 use tokosen_core::crs::Crs;
+
+pub(super) use write::write;
 
 const BUFFER: usize = 1 << 17;
 /// Memory per byte of text: positions and attributes.

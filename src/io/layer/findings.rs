@@ -2,6 +2,7 @@
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use tokosen_core::base::error::{Finding, Proposal};
+use tokosen_core::crs::FromWorking;
 
 /// The name of the layer.
 pub const FINDINGS_LAYER: &str = "findings";
@@ -19,9 +20,9 @@ const COLUMNS: &[Column] = &[
 
 /// The findings about inputs that contradict each other, as the layer `conflicts`. The attributes are those of
 /// [`of_findings`].
-pub fn of_conflicts(findings: &[Finding]) -> Layer<'_> {
+pub fn of_conflicts<'a>(findings: &'a [Finding], back: &FromWorking) -> Layer<'a> {
     let conflicts = findings.iter().filter(|finding| finding.kind.is_conflict());
-    Layer { name: "conflicts", ..layer(conflicts) }
+    Layer { name: "conflicts", ..layer(conflicts, back) }
 }
 
 /// The findings, as points.
@@ -30,14 +31,16 @@ pub fn of_conflicts(findings: &[Finding]) -> Layer<'_> {
 /// - `code`; `severity`: `error`, `warning` or `note`; `message`
 /// - `elev`: the first elevation in question, metres; `elevs`: all of them
 /// - `features`: numbers of the features in the file, separated by commas
-/// - `proposed`: a proposed elevation that would fit; `proposal`: the proposed repair, in words
+/// - `proposed`: a proposed elevation that would fit; `proposal`: the proposed repair, in words, with its places in the
+///   coordinates of the output
 ///
 /// A finding without a place is a feature without geometry.
-pub fn of_findings(findings: &[Finding]) -> Layer<'_> {
-    layer(findings.iter())
+pub fn of_findings<'a>(findings: &'a [Finding], back: &FromWorking) -> Layer<'a> {
+    layer(findings.iter(), back)
 }
 
-fn layer<'a>(findings: impl Iterator<Item = &'a Finding>) -> Layer<'a> {
+fn layer<'a>(findings: impl Iterator<Item = &'a Finding>, back: &FromWorking) -> Layer<'a> {
+    let place = |p| back.place_in_words(p);
     let rows = findings.map(|finding| {
         let proposed = match finding.proposal {
             Some(Proposal::Relabel { to, .. }) => Cell::Real(to),
@@ -53,7 +56,7 @@ fn layer<'a>(findings: impl Iterator<Item = &'a Finding>) -> Layer<'a> {
                 listed(&finding.elevations),
                 listed(&finding.features),
                 proposed,
-                finding.proposal.as_ref().map_or(Cell::Null, |p| Cell::Text(p.to_string().into())),
+                finding.proposal.as_ref().map_or(Cell::Null, |p| Cell::Text(p.in_words(place).into())),
                 Cell::Text(finding.message.as_str().into()),
             ],
         }

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::features::{Cell, Column, Kind, Layer, Row, Shape, rounded_error};
 use tokosen_core::base::error::{Error, Result};
-use tokosen_core::base::{ElevationUnit, parallel};
+use tokosen_core::base::parallel;
 use tokosen_core::crs::FromWorking;
 
 /// A shape that owns its vertices.
@@ -18,7 +18,7 @@ enum ReprojectedShape {
 /// The reprojected shapes of layers.
 pub(crate) struct ReprojectedShapes {
     shapes: Vec<Vec<ReprojectedShape>>,
-    unit: ElevationUnit,
+    back: FromWorking,
 }
 
 impl ReprojectedShapes {
@@ -52,13 +52,13 @@ impl ReprojectedShapes {
             };
             parallel::map_each(&layer.rows, shape).into_iter().collect()
         };
-        Ok(Self { shapes: layers.iter().map(layer).collect::<Result<_>>()?, unit: back.unit() })
+        Ok(Self { shapes: layers.iter().map(layer).collect::<Result<_>>()?, back: back.clone() })
     }
 
     /// The layers with the reprojected shapes instead of their own, and with the heights of attributes in the unit of
     /// the output.
     pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
-        let unit = self.unit;
+        let back = &self.back;
         let row = |columns: &[Column], (row, reprojected): (&'a Row<'a>, &'a mut ReprojectedShape)| {
             let shape = match reprojected {
                 ReprojectedShape::Point(point) => Shape::Point(*point),
@@ -68,7 +68,7 @@ impl ReprojectedShapes {
             };
             // A cell without a column is refused when the layer is checked.
             let kind = |k: usize| columns.get(k).map(|column| column.kind);
-            let cells = row.cells.iter().enumerate().map(|(k, cell)| in_unit(cell, kind(k), unit)).collect();
+            let cells = row.cells.iter().enumerate().map(|(k, cell)| in_unit(cell, kind(k), back)).collect();
             Row { shape, cells }
         };
         let layer = |(layer, reprojected): (&'a Layer<'a>, &'a mut Vec<ReprojectedShape>)| Layer {
@@ -81,10 +81,11 @@ impl ReprojectedShapes {
     }
 }
 
-/// A cell with its height, if it holds one, in a unit.
-fn in_unit<'a>(cell: &Cell<'a>, kind: Option<Kind>, unit: ElevationUnit) -> Cell<'a> {
+/// A cell with its height, if it holds one, in the unit of the output.
+fn in_unit<'a>(cell: &Cell<'a>, kind: Option<Kind>, back: &FromWorking) -> Cell<'a> {
+    let unit = back.unit();
     match (cell, kind) {
-        (Cell::Real(height), Some(Kind::Height)) => Cell::Real(unit.from_metres(*height)),
+        (Cell::Real(height), Some(Kind::Height)) => Cell::Real(back.height(*height)),
         (Cell::Real(error), Some(Kind::HeightError)) if unit.is_foot() => Cell::Real(rounded_error(unit.about(*error))),
         _ => cell.clone(),
     }

@@ -1,4 +1,4 @@
-//! LandXML 1.2: a surface of triangles (TIN) for programs of civil engineering.
+//! LandXML 1.2: a surface of triangles (TIN) for programs of civil engineering, with the break lines that it follows.
 //!
 //! Coordinates are those of the map, northing before easting, as the format has it; there is no offset. Points are counted from
 //! 1 without gaps, with single spaces, which all readers understand.
@@ -38,9 +38,22 @@ pub(super) fn write(out: &mut impl Write, mesh: &Mesh) -> Result<()> {
     writeln!(
         out,
         "<Project name=\"terrain\"/>\n<Application name=\"tokosen\" version=\"{}\"/>\n\
-         <Surfaces><Surface name=\"terrain\"><Definition surfType=\"TIN\">\n<Pnts>",
+         <Surfaces><Surface name=\"terrain\">",
         env!("CARGO_PKG_VERSION")
     )?;
+    if !mesh.break_lines.is_empty() {
+        writeln!(out, "<SourceData><Breaklines>")?;
+        for (k, line) in (1_u64..).zip(&mesh.break_lines) {
+            write!(out, "<Breakline brkType=\"standard\" name=\"{k}\"><PntList3D>")?;
+            for (k, vertex) in line.iter().enumerate() {
+                let (gap, p) = (if k == 0 { "" } else { " " }, *vertex + mesh.origin);
+                write!(out, "{gap}{:.6} {:.6} {:.6}", p.y, p.x, p.z)?;
+            }
+            writeln!(out, "</PntList3D></Breakline>")?;
+        }
+        writeln!(out, "</Breaklines></SourceData>")?;
+    }
+    writeln!(out, "<Definition surfType=\"TIN\">\n<Pnts>")?;
     for (k, vertex) in (1_u64..).zip(&mesh.vertices) {
         let p = *vertex + mesh.origin;
         writeln!(out, "<P id=\"{k}\">{:.6} {:.6} {:.6}</P>", p.y, p.x, p.z)?;

@@ -43,7 +43,7 @@ fn note(text: String) -> Option<(FindingKind, String)> {
 }
 
 fn converted(metres: f64, name: &str) -> Option<(FindingKind, String)> {
-    if metres == 1.0 { None } else { note(format!("the heights are in {name} and were turned into metres")) }
+    if metres == 1.0 { None } else { note(format!("the heights are in {name}, and were read as that")) }
 }
 
 /// The doubt about heights without a unit on a plane in feet.

@@ -29,6 +29,20 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// All quantities.
+    pub const ALL: [Self; 10] = [
+        Self::Height,
+        Self::Difference,
+        Self::Slope,
+        Self::Aspect,
+        Self::Shade,
+        Self::FlowDirection,
+        Self::FlowAccumulation,
+        Self::UpstreamArea,
+        Self::Catchment,
+        Self::Depth,
+    ];
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {

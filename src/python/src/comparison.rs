@@ -161,7 +161,7 @@ pub fn compare(
         };
         Pair::refuse_degrees(&nodes, &b.source.file)?;
         let pair = Pair::on(a, b, nodes, progress)?;
-        let mut found = measure(&pair, &MeasureOptions { sigma, interval }, progress)?;
+        let mut found = measure(&pair, &MeasureOptions { sigma, interval, ..MeasureOptions::default() }, progress)?;
         for (letter, side) in [("A", &pair.a), ("B", &pair.b)] {
             label(letter, side.late_findings());
         }

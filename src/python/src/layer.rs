@@ -25,6 +25,7 @@ use tokosen::io::layer::{self, Cell, Column, Geometry, Kind, Outer, Row, Shape};
 use tokosen::io::{StagedOutput, check_paths, with_layers_back, write_layers};
 
 use crate::error::exception;
+use crate::layer_state::State;
 
 /// The name of the column of geometries.
 const GEOMETRY: &str = "geometry";
@@ -32,12 +33,12 @@ const GEOMETRY: &str = "geometry";
 /// A layer of features: geometries with attributes.
 #[pyclass(frozen, module = "tokosen._tokosen")]
 pub struct Layer {
-    name: String,
-    geometry: Geometry,
-    columns: &'static [Column],
+    pub(crate) name: String,
+    pub(crate) geometry: Geometry,
+    pub(crate) columns: &'static [Column],
     /// The geometries, then the attributes.
-    batch: RecordBatch,
-    crs: Option<Crs>,
+    pub(crate) batch: RecordBatch,
+    pub(crate) crs: Option<Crs>,
 }
 
 /// The coordinate reference system as other programs read it: its code if that is known, else its text.
@@ -70,7 +71,7 @@ impl Layer {
     }
 
     /// The coordinates of all vertices: x, y of points and areas, x, y, z of lines.
-    fn vertices(&self) -> &Float64Array {
+    pub(crate) fn vertices(&self) -> &Float64Array {
         let column = self.batch.column(0);
         let vertices = match self.geometry {
             Geometry::Points => column.as_fixed_size_list(),
@@ -78,6 +79,28 @@ impl Layer {
             Geometry::Areas => column.as_list::<i32>().values().as_list::<i32>().values().as_fixed_size_list(),
         };
         vertices.values().as_primitive::<Float64Type>()
+    }
+
+    /// The lists of lines, or of rings and of polygons.
+    pub(crate) fn offset_lists(&self) -> Vec<&ListArray> {
+        let column = self.batch.column(0);
+        match self.geometry {
+            Geometry::Points => Vec::new(),
+            Geometry::Lines => vec![column.as_list::<i32>()],
+            Geometry::Areas => {
+                let polygons = column.as_list::<i32>();
+                vec![polygons.values().as_list::<i32>(), polygons]
+            }
+        }
+    }
+
+    /// The name of the type of geometries.
+    pub(crate) fn geometry_name(&self) -> &'static str {
+        match self.geometry {
+            Geometry::Points => "Point",
+            Geometry::Lines => "LineString",
+            Geometry::Areas => "Polygon",
+        }
     }
 
     /// The features in the form that is written.
@@ -141,11 +164,18 @@ impl Layer {
 
     #[getter]
     fn geometry_type(&self) -> &'static str {
-        match self.geometry {
-            Geometry::Points => "Point",
-            Geometry::Lines => "LineString",
-            Geometry::Areas => "Polygon",
-        }
+        self.geometry_name()
+    }
+
+    /// A layer from what [`Layer::state`] gave.
+    #[staticmethod]
+    fn restore(py: Python<'_>, state: State<'_>) -> PyResult<Self> {
+        Self::of_parts(py, state)
+    }
+
+    /// What the layer consists of, for pickle.
+    fn state<'py>(&self, py: Python<'py>) -> State<'py> {
+        self.parts(py)
     }
 
     #[getter]
@@ -169,16 +199,8 @@ impl Layer {
 
     /// The bytes of the offsets, without a copy: none for points, of lines, of rings and of polygons.
     fn offsets(&self) -> Vec<PyArrowBuffer> {
-        let column = self.batch.column(0);
         let of = |list: &ListArray| PyArrowBuffer::new(list.offsets().inner().inner().clone());
-        match self.geometry {
-            Geometry::Points => Vec::new(),
-            Geometry::Lines => vec![of(column.as_list::<i32>())],
-            Geometry::Areas => {
-                let polygons = column.as_list::<i32>();
-                vec![of(polygons.values().as_list::<i32>()), of(polygons)]
-            }
-        }
+        self.offset_lists().into_iter().map(of).collect()
     }
 
     /// An attribute: an array of numbers or of yes and no, or a list of texts. Where whole numbers are missing, they become

@@ -19,6 +19,7 @@ mod error;
 mod flow;
 mod input;
 mod layer;
+mod layer_state;
 mod model;
 mod options;
 mod raster;

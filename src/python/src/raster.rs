@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::Units;
 use tokosen::base::error::Finding;
 use tokosen::dem::volume::Heights;
-use tokosen::draw::preview::height_map_picture;
+use tokosen::draw::Scene;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
     write_raster, write_shade, write_with_errors,
@@ -99,6 +99,37 @@ impl Raster {
         Self::new(py, Dem { grid, values, crs }, None, Quantity::Height, &[])
     }
 
+    /// A raster from what [`Raster::state`] gave.
+    #[staticmethod]
+    fn restore(
+        py: Python<'_>,
+        arrays: (Bound<'_, PyArray2<f32>>, Option<Bound<'_, PyArray2<f32>>>),
+        transform: [f64; 6],
+        crs: Option<&str>,
+        quantity: &str,
+        notes: Vec<String>,
+    ) -> PyResult<Self> {
+        let (values, error) = arrays;
+        let quantity = Quantity::ALL.into_iter().find(|known| known.name() == quantity);
+        let quantity = quantity.ok_or_else(|| parameter(py, "the raster holds an unknown quantity"))?;
+        let crs = self::crs(py, crs)?;
+        let [rows, cols] = [values.shape()[0], values.shape()[1]];
+        let [width, _, west, _, height, north] = transform;
+        let grid = Grid { corner: DVec2::new(west, north), cell: DVec2::new(width, -height), cols, rows };
+        Ok(Self { grid, crs, quantity, values: values.unbind(), error: error.map(Bound::unbind), notes })
+    }
+
+    /// What the raster consists of, for pickle.
+    #[allow(clippy::type_complexity, reason = "a tuple of what Python gets")]
+    fn state(
+        &self,
+        py: Python<'_>,
+    ) -> ((Py<PyArray2<f32>>, Option<Py<PyArray2<f32>>>), [f64; 6], Option<String>, &'static str, Vec<String>) {
+        let error = self.error.as_ref().map(|error| error.clone_ref(py));
+        let arrays = (self.values.clone_ref(py), error);
+        (arrays, self.transform(), self.crs(), self.quantity.name(), self.notes.clone())
+    }
+
     /// A height map from a file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
@@ -153,7 +184,7 @@ impl Raster {
     /// A picture of a height map, as PNG.
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let dem = self.dem(py)?;
-        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[], Units::METRES)?))
+        work(py, None, |_| picture_bytes(&Scene::of_height_map(&dem, &[], Units::METRES).image()?))
     }
 
     /// Writes the raster.

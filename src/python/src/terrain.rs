@@ -9,6 +9,7 @@ use tokosen::base::progress::Progress;
 use tokosen::contour::{ContourLayer, distinct_levels};
 use tokosen::crs::FromWorking;
 use tokosen::dem::profile::stations;
+use tokosen::draw::Scene;
 use tokosen::io::layer::{
     break_lines, labels_layer, of_conflicts, of_contours, of_findings, of_labels, pit_points, stream_lines,
 };
@@ -237,12 +238,12 @@ impl Terrain {
 
     /// The findings about the input.
     fn findings(&self, py: Python<'_>) -> PyResult<Layer> {
-        failed(py, self.layer(of_findings(&self.terrain.findings)))
+        failed(py, self.about_findings(of_findings))
     }
 
     /// The findings about inputs that contradict each other.
     fn conflicts(&self, py: Python<'_>) -> PyResult<Layer> {
-        failed(py, self.layer(of_conflicts(&self.terrain.findings)))
+        failed(py, self.about_findings(of_conflicts))
     }
 
     /// The errors and warnings among the findings.
@@ -270,18 +271,22 @@ impl Terrain {
     fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         work(py, None, |_| {
             let lines = self.terrain.input_contours()?.lines;
-            let picture = tokosen::draw::preview::picture(
-                &self.terrain.surface,
-                &lines,
-                &self.terrain.reprojection,
-                self.terrain.units(),
-            )?;
-            tokosen::io::raster::picture_bytes(&picture)
+            let units = self.terrain.units();
+            let scene = Scene::of_surface(&self.terrain.surface, &lines, &self.terrain.reprojection, units);
+            tokosen::io::raster::picture_bytes(&scene.within(self.terrain.part()).image()?)
         })
     }
 }
 
 impl Terrain {
+    fn about_findings(
+        &self,
+        of: for<'a> fn(&'a [Finding], &FromWorking) -> tokosen::io::layer::Layer<'a>,
+    ) -> tokosen::Result<Layer> {
+        let back = self.terrain.to_output(None)?;
+        one(Layer::all(&[of(&self.terrain.findings, &back)], &back))
+    }
+
     fn layer(&self, layer: tokosen::io::layer::Layer<'_>) -> tokosen::Result<Layer> {
         one(Layer::all(&[layer], &self.terrain.to_output(None)?))
     }

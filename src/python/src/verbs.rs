@@ -80,7 +80,7 @@ pub fn check(
         if strict {
             all_right(&input.name(), &input.findings)?;
         }
-        let findings = one(Layer::all(&[of_findings(&input.findings)], &back))?;
+        let findings = one(Layer::all(&[of_findings(&input.findings, &back)], &back))?;
         let json = check_json(&input, &judged).to_string();
         let layers = [of_map(&map), of_spots(&map)];
         let some = if map.spots.is_empty() { &layers[..1] } else { &layers[..] };

@@ -16,6 +16,7 @@ those of the program. While the work is done, other threads of Python run, and C
 RAYON_NUM_THREADS sets the number of threads; the result does not depend on it.
 """
 
+from tokosen import _pickle as _pickle
 from tokosen._dem import Dem, Transform, Volume
 from tokosen._errors import Error, FileError, FindingWarning, InputError, OutOfMemoryError, ParameterError
 from tokosen._example import example

@@ -9,6 +9,7 @@ import numpy as np
 
 from tokosen import _tokosen
 from tokosen._crs import crs_object, crs_text
+from tokosen._errors import ParameterError
 from tokosen._html import page
 
 
@@ -150,15 +151,19 @@ class Dem:
         found = [Volume(*row) for row in self._raster.volume(levels, beside, sigma)]
         return found if np.ndim(level) > 0 else found[0]
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self, *, error: bool = False) -> Any:
         """A DataArray with the coordinates of cell centres, and the CRS as rioxarray and GDAL write it. xarray must be installed.
 
-        The values are not copied.
+        With `error`, a Dataset of the heights and their standard errors (`error`). The values are not copied.
 
         >>> array = tokosen.dem(tokosen.example(), cell=10).to_xarray()
         >>> array.dims, array.attrs["units"]
         (('y', 'x'), 'm')
+        >>> list(tokosen.dem(tokosen.example(), cell=10, uncertainty=True).to_xarray(error=True))
+        ['height', 'error']
         """
+        if error and self.error is None:
+            raise ParameterError("this raster has no standard errors: make it with uncertainty=True")
         try:
             import xarray
         except ImportError as error:
@@ -176,7 +181,12 @@ class Dem:
         attrs = {"units": "m", "long_name": self.quantity, "grid_mapping": "spatial_ref"}
         if self.quantity not in ("height", "difference in height"):
             del attrs["units"]
-        return xarray.DataArray(self.values, coords=coords, dims=("y", "x"), name=self.quantity.replace(" ", "_"), attrs=attrs)
+        name = self.quantity.replace(" ", "_")
+        array = xarray.DataArray(self.values, coords=coords, dims=("y", "x"), name=name, attrs=attrs)
+        if not error:
+            return array
+        errors = xarray.DataArray(self.error, coords=coords, dims=("y", "x"), attrs=attrs | {"long_name": "standard error"})
+        return xarray.Dataset({name: array, "error": errors})
 
     def to_file(
         self,

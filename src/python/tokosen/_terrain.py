@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Unpack
 
@@ -11,7 +12,7 @@ import numpy as np
 from tokosen import _tokosen
 from tokosen._crs import crs_text
 from tokosen._dem import Dem
-from tokosen._errors import ParameterError
+from tokosen._errors import FindingWarning, ParameterError
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
 from tokosen._options import RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
@@ -79,6 +80,8 @@ class Terrain:
 
     Findings about the input that may make the result wrong are warnings (`FindingWarning`); all are in `findings`.
 
+    A pickled terrain holds what it was built from, and is built again when it is loaded; so its files must be there.
+
     >>> terrain = tokosen.Terrain(tokosen.example())
     >>> terrain
     <Terrain of 4 lines at 4 levels from 10 to 40 m, interval 10 m>
@@ -113,6 +116,7 @@ class Terrain:
         progress: Progress,
         given: Any,
     ) -> None:
+        self._recipe = (contours, grid, uncertainty, to_unit, only_dem, dict(given))
         self._of_frame = is_frame(contours)
         self._given = dict(given)
         self._contours = sources("contours", contours)
@@ -121,6 +125,10 @@ class Terrain:
         with reporting(progress) as report:
             self._terrain = _tokosen.Terrain.build(self._contours, found, grid, to_unit, only_dem, report)
         warn_of(self._terrain.warned(), stacklevel=5)
+
+    def __reduce__(self) -> Any:
+        """For pickle: what the terrain was built from. It is built again in the other process."""
+        return rebuilt, self._recipe
 
     def contours(
         self,
@@ -381,6 +389,15 @@ def _parameter_error(message: str) -> Exception:
     from tokosen._errors import ParameterError
 
     return ParameterError(message)
+
+
+def rebuilt(contours: Any, grid: dict[str, Any], uncertainty: bool, to_unit: Unit, only_dem: bool, given: Any) -> Terrain:
+    """A terrain from what it was built from. What its findings warn of was said when it was built first."""
+    terrain = Terrain.__new__(Terrain)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FindingWarning)
+        terrain._build(contours, grid, uncertainty, to_unit, only_dem, None, given)
+    return terrain
 
 
 def terrain_for_dem(

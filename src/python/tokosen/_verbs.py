@@ -337,8 +337,13 @@ class Comparison:
     True
     """
 
-    def __init__(self, comparison: _tokosen.Comparison) -> None:
+    def __init__(self, comparison: _tokosen.Comparison, recipe: tuple[Any, Any, dict[str, Any]]) -> None:
         self._comparison = comparison
+        self._recipe = recipe
+
+    def __reduce__(self) -> Any:
+        """For pickle: the two sides and the options. They are compared again in the other process."""
+        return _compared, self._recipe
 
     @property
     def figures(self) -> dict[str, Any]:
@@ -408,7 +413,13 @@ def compare(
     checks = None if points is None else source("points", points)
     with reporting(progress) as report:
         made = _tokosen.compare(side_a, side_b, found, cells(cell, None, like, None), [sigma, interval], checks, report)
-    return Comparison(made)
+    asked = {"cell": cell, "like": like, "points": points, "sigma": sigma, "interval": interval, **given}
+    return Comparison(made, (a, b, asked))
+
+
+def _compared(a: Any, b: Any, asked: dict[str, Any]) -> Comparison:
+    """A comparison of what was compared before."""
+    return compare(a, b, **asked)
 
 
 RASTERS = (".tif", ".tiff", ".asc", ".exr", ".png", ".xyz")

@@ -12,8 +12,8 @@ from tokosen.verbs import VERBS  # noqa: E402
 # Options that are no parameters. The plugin sets some of them itself; the guide names the others.
 LEFT_OUT = {
     "crs", "layer", "extent-crs", "help", "quiet", "verbose", "overwrite", "progress", "json", "threads", "save-run",
-    "png-encoding", "zooms", "max-zoom", "tile-size", "tile-image",
-    "viewer", "attribution",
+    "png-encoding", "zooms", "max-zoom", "tile-size", "tile-image", "viewer", "attribution", "paper", "scale", "title", "source",
+    "font",
 }
 LEFT_OUT_OF = {
     "densify": {"dem", "cell", "cell-degrees", "like", "cog", "compare", "report"},

@@ -3,7 +3,7 @@
 use std::mem::take;
 use std::path::{Path, PathBuf};
 
-use super::{Input, InputOptions, Signs, in_metres};
+use super::{InMetres, Input, InputOptions, Signs, in_metres};
 use crate::terrain::sheets::{Sheet, joined};
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::base::progress::{Progress, step};
@@ -44,9 +44,9 @@ impl Input {
             let layer = source.layer.clone().or_else(|| options.layer.clone());
             let InputOptions { elevation_field, memory, unit, depths, .. } = options.clone();
             let reading = ReadOptions { elevation_field, layer, memory, unit, depths, ..source.reading() };
-            let (read, unit) = in_metres(read_contours(&source.path, &reading)?, options);
+            let InMetres { read, unit, heights } = in_metres(read_contours(&source.path, &reading)?, options);
             let Report { value: map, findings } = read;
-            Ok(Sheet { file: source.path.clone(), map, findings, unit })
+            Ok(Sheet { file: source.path.clone(), map, findings, unit, heights })
         };
         step(progress, "reading", || {
             let mut sheets = sources.iter().map(sheet).collect::<Result<Vec<Sheet>>>()?;
@@ -54,11 +54,13 @@ impl Input {
             let Some(unit) = sheets.first().map(|sheet| sheet.unit) else {
                 return Err(Error::Parameter("no file is given".into()));
             };
+            let in_unit = sheets.iter().filter(|sheet| sheet.unit == unit);
+            let heights = in_unit.flat_map(|sheet| sheet.heights.iter().copied()).collect();
             let read = match sheets.as_mut_slice() {
                 [one] => Report { value: take(&mut one.map), findings: take(&mut one.findings) },
                 _ => joined(sheets, options.plane_unit)?,
             };
-            let input = Self::from_metres(read, unit, options);
+            let input = Self::from_metres(read, (unit, heights), options);
             let input = input.map_err(|error| if let [file] = &files[..] { error.in_file(file) } else { error })?;
             Ok(Self { files, ..input })
         })

@@ -27,7 +27,7 @@ use crate::terrain::units::Elevations;
 use tokosen_core::arrays;
 use tokosen_core::base::error::{Error, Finding, Report, Result};
 use tokosen_core::base::{ElevationUnit, FeatureId};
-use tokosen_core::contour::{ContourMap, SoftSpot, StatedUnit, UnitHint, unite_levels};
+use tokosen_core::contour::{ContourMap, SoftSpot, StatedUnit, UnitHint, distinct_levels, unite_levels};
 use tokosen_core::crs::{Crs, Reprojection};
 use tokosen_core::features::Features;
 use tokosen_core::geometry::{thinned, tolerance};
@@ -159,17 +159,22 @@ impl Input {
     }
 
     pub(super) fn from_report(read: Report<ContourMap>, options: &InputOptions) -> Result<Self> {
-        let (read, unit) = in_metres(read, options);
-        Self::from_metres(read, unit, options)
+        let InMetres { read, unit, heights } = in_metres(read, options);
+        Self::from_metres(read, (unit, heights), options)
     }
 
-    /// Takes a map with its elevations in metres; they were in `unit`.
-    pub(super) fn from_metres(read: Report<ContourMap>, unit: ElevationUnit, options: &InputOptions) -> Result<Self> {
+    /// Takes a map with its elevations in metres; they were in a unit, and were these heights there.
+    pub(super) fn from_metres(
+        read: Report<ContourMap>,
+        (unit, heights): (ElevationUnit, Vec<f64>),
+        options: &InputOptions,
+    ) -> Result<Self> {
         let mut findings = Vec::new();
         let mut map = read.collect(&mut findings);
         findings.extend(unite_levels(&mut map, unit));
         let Plane { map, is_guessed: is_plane_guessed } = settle(map, options.plane_unit, unit, &mut findings)?;
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
+        let reprojection = reprojection.with_heights(unit, heights);
         let InputOptions { unit: asked_unit, memory, depths, .. } = *options;
         // A drawing in metres has no system, and states its unit all the same.
         let is_plane_in_metres = match &map.crs {
@@ -288,14 +293,28 @@ impl Input {
     }
 }
 
-/// A map as it was read with its elevations in metres and the system that the caller names, and the unit that its
-/// elevations had.
-pub(super) fn in_metres(read: Report<ContourMap>, options: &InputOptions) -> (Report<ContourMap>, ElevationUnit) {
+/// A map as it was read with its elevations in metres and the system that the caller names.
+pub(super) struct InMetres {
+    /// The map.
+    pub read: Report<ContourMap>,
+    /// The unit that its elevations had.
+    pub unit: ElevationUnit,
+    /// Its heights in this unit, if it is not the metre.
+    pub heights: Vec<f64>,
+}
+
+/// Converts the elevations of a map as it was read to metres.
+pub(super) fn in_metres(read: Report<ContourMap>, options: &InputOptions) -> InMetres {
     let mut findings = Vec::new();
     let map = read.collect(&mut findings);
     let unit = unit_of(&map, options, &mut findings);
+    let mut heights = Vec::new();
+    if unit.is_foot() {
+        heights = distinct_levels(&map.contours);
+        heights.extend(map.spots.iter().map(|spot| spot.z));
+    }
     let value = named(map.in_metres(unit), options.crs.as_ref(), &mut findings);
-    (Report { value, findings }, unit)
+    InMetres { read: Report { value, findings }, unit, heights }
 }
 
 /// The unit of the elevations of a map as it was read. Elevations in the findings about it become metres.

@@ -22,19 +22,17 @@ impl Input {
                 "the part of the map has no area: coordinates are rounded to micrometres; choose a larger part";
             return Err(Error::Parameter(message.into()));
         }
-        check_on_map(&area, &self.map).map_err(|error| self.in_drawing(error))?;
+        check_on_map(&area, &self.map).map_err(|error| self.in_input_coordinates(error))?;
         self.part = Some(area);
         Ok(())
     }
 
-    /// The error with the coordinates of the drawing, if the input is one in another unit than metres.
-    fn in_drawing(&self, error: Error) -> Error {
+    /// The error with its places in the coordinates of the contours.
+    fn in_input_coordinates(&self, error: Error) -> Error {
         let there = |corners: [DVec2; 2]| corners.map(|corner| self.reprojection.in_input(corner).unwrap_or(corner));
-        match (error, self.reprojection.plane_of_drawing()) {
-            (Error::PartOutside { part, map, of }, Some(_)) => {
-                Error::PartOutside { part: there(part), map: there(map), of }
-            }
-            (error, _) => error,
+        match error {
+            Error::PartOutside { part, map, of } => Error::PartOutside { part: there(part), map: there(map), of },
+            error => error,
         }
     }
 

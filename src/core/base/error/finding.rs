@@ -282,19 +282,23 @@ pub enum Proposal {
     },
     /// Join two ends of lines of one level by a straight piece.
     Join {
-        /// The ends, in the input's coordinates.
+        /// The ends, in the coordinates of the finding's place.
         ends: [DVec2; 2],
     },
     /// Leave out the vertex at the finding's place.
     LeaveOut,
 }
 
-impl fmt::Display for Proposal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Proposal {
+    /// The proposal in words. `place` is a place in the coordinates of the reader, in words.
+    pub fn in_words(&self, place: impl Fn(DVec2) -> String) -> String {
         match self {
-            Self::Relabel { from, to } => write!(f, "elevation {to} instead of {from}"),
-            Self::LeaveOut => f.write_str("leave out the vertex"),
-            Self::Join { ends: [a, b] } => write!(f, "join {:.3} {:.3} and {:.3} {:.3}", a.x, a.y, b.x, b.y),
+            Self::Relabel { from, to } => format!("elevation {to} m instead of {from} m"),
+            Self::LeaveOut => "leave out the vertex".to_owned(),
+            Self::Join { ends } => {
+                let [a, b] = ends.map(place);
+                format!("join {a} and {b}")
+            }
         }
     }
 }

@@ -196,7 +196,7 @@ pub enum Error {
     /// The part of the map that is asked for lies outside of it.
     #[error("the part that is asked for ({}) lies outside of {of} ({})", span(part), span(map))]
     PartOutside {
-        /// Corners of the box around the part, on the plane of the map.
+        /// Corners of the box around the part, in the coordinates of the map.
         part: [DVec2; 2],
         /// Corners of the box around the map.
         map: [DVec2; 2],

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Extreme;
 use super::statistics::sum;
-use crate::base::parallel;
+use crate::base::{ElevationUnit, parallel};
 use crate::raster::Dem;
 use crate::subdomains::Band;
 
@@ -21,6 +21,14 @@ pub struct BandShare {
     pub mean_excess: f64,
     /// The height farthest outside its band: distance (metres, below 0 if it is below the band) and position.
     pub furthest: Option<Extreme>,
+}
+
+impl BandShare {
+    /// The same with its distances in a unit.
+    pub fn in_unit(self, unit: ElevationUnit) -> Self {
+        let furthest = self.furthest.map(|furthest| Extreme { value: unit.about(furthest.value), ..furthest });
+        Self { mean_excess: unit.about(self.mean_excess), furthest, ..self }
+    }
 }
 
 /// Counts the cells of `dem` outside their band. `band_of` gives the band of a cell by its index. `None` if no cell has

@@ -47,6 +47,7 @@ pub use statistics::{Extreme, Statistics, statistics};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
 use crate::contour::Interval;
 use crate::raster::RasterRows;
@@ -78,6 +79,9 @@ impl Default for CompareParams<'_> {
 /// The result of a comparison. In JSON, the keys are the names of these fields.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
+    /// The unit of differences, of elevations and of distances. Properties of the heights of one side are in metres.
+    #[serde(skip)]
+    pub unit: ElevationUnit,
     /// Statistics of all cells that have heights in both, metres.
     pub overall: Statistics,
     /// The same by the slope of B, degrees (Horn 1981). At the edge of the data, heights are extrapolated linearly.
@@ -140,6 +144,7 @@ pub fn compare(a: &dyn RasterRows, b: &dyn RasterRows, params: &CompareParams<'_
         collect([a, b], params, groups)?.map(|group| group.statistics(&place));
     let overall = overall.first().and_then(|class| class.statistics).ok_or_else(no_overlap)?;
     Ok(Comparison {
+        unit: ElevationUnit::Metre,
         overall,
         by_slope,
         by_elevation,

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use crate::base::parallel;
+use crate::base::{ElevationUnit, parallel};
 use serde::Serialize;
 
 /// Number of values per block. The sums of blocks are added up in order.
@@ -49,6 +49,26 @@ pub struct Statistics {
     pub lowest: Extreme,
     /// The largest difference; of equal ones, the first.
     pub highest: Extreme,
+}
+
+impl Statistics {
+    /// The same of differences in a unit.
+    pub fn in_unit(self, unit: ElevationUnit) -> Self {
+        let extreme = |extreme: Extreme| Extreme { value: unit.about(extreme.value), ..extreme };
+        Self {
+            cells: self.cells,
+            bias: unit.about(self.bias),
+            rmse: unit.about(self.rmse),
+            rmse_debiased: unit.about(self.rmse_debiased),
+            mae: unit.about(self.mae),
+            median: unit.about(self.median),
+            nmad: unit.about(self.nmad),
+            le90: unit.about(self.le90),
+            le95: unit.about(self.le95),
+            lowest: extreme(self.lowest),
+            highest: extreme(self.highest),
+        }
+    }
 }
 
 /// The statistics of the differences that are finite and whose index `is_member` accepts. `None` if there are none.
