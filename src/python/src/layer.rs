@@ -25,7 +25,6 @@ use tokosen::io::layer::{self, Cell, Column, Geometry, Kind, Outer, Row, Shape};
 use tokosen::io::{StagedOutput, check_paths, with_layers_back, write_layers};
 
 use crate::error::exception;
-use crate::layer_state::State;
 
 /// The name of the column of geometries.
 const GEOMETRY: &str = "geometry";
@@ -165,17 +164,6 @@ impl Layer {
     #[getter]
     fn geometry_type(&self) -> &'static str {
         self.geometry_name()
-    }
-
-    /// A layer from what [`Layer::state`] gave.
-    #[staticmethod]
-    fn restore(py: Python<'_>, state: State<'_>) -> PyResult<Self> {
-        Self::of_parts(py, state)
-    }
-
-    /// What the layer consists of, for pickle.
-    fn state<'py>(&self, py: Python<'py>) -> State<'py> {
-        self.parts(py)
     }
 
     #[getter]

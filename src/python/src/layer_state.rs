@@ -22,7 +22,7 @@ pub enum Values {
 }
 
 /// A layer in parts: name, type of geometry, CRS; names, kinds and values of the columns; coordinates; offsets.
-pub type State<'py> = (
+type State<'py> = (
     (String, String, Option<String>),
     Vec<(String, String, Values)>,
     Bound<'py, PyArray1<f64>>,
@@ -71,93 +71,88 @@ fn kind_of(name: &str) -> Option<Kind> {
     })
 }
 
-impl Layer {
-    /// The layer in parts.
-    pub fn parts<'py>(&self, py: Python<'py>) -> State<'py> {
-        let values = |k: usize, kind: Kind| {
-            let array = self.batch.column(k + 1);
-            match kind {
-                Kind::Real | Kind::Height | Kind::HeightError => {
-                    Values::Reals(array.as_primitive::<Float64Type>().iter().collect())
-                }
-                Kind::Int => Values::Ints(array.as_primitive::<Int64Type>().iter().collect()),
-                Kind::Bool => Values::Flags(array.as_boolean().iter().collect()),
-                Kind::Text(_) | Kind::LongText => {
-                    Values::Texts(array.as_string::<i32>().iter().map(|text| text.map(str::to_owned)).collect())
-                }
+/// What a layer consists of, for pickle.
+#[pyfunction]
+pub fn layer_state<'py>(py: Python<'py>, layer: &Layer) -> State<'py> {
+    let values = |k: usize, kind: Kind| {
+        let array = layer.batch.column(k + 1);
+        match kind {
+            Kind::Real | Kind::Height | Kind::HeightError => {
+                Values::Reals(array.as_primitive::<Float64Type>().iter().collect())
             }
-        };
-        let column =
-            |(k, column): (usize, &Column)| (column.name.to_owned(), name_of(column.kind), values(k, column.kind));
-        let crs = self.crs.as_ref().and_then(crs_text);
-        let head = (self.name.clone(), self.geometry_name().to_owned(), crs);
-        let coords = PyArray1::from_slice(py, self.vertices().values());
-        let offsets = self.offset_lists().into_iter().map(|list| PyArray1::from_slice(py, list.offsets())).collect();
-        (head, self.columns.iter().enumerate().map(column).collect(), coords, offsets)
-    }
+            Kind::Int => Values::Ints(array.as_primitive::<Int64Type>().iter().collect()),
+            Kind::Bool => Values::Flags(array.as_boolean().iter().collect()),
+            Kind::Text(_) | Kind::LongText => {
+                Values::Texts(array.as_string::<i32>().iter().map(|text| text.map(str::to_owned)).collect())
+            }
+        }
+    };
+    let column = |(k, column): (usize, &Column)| (column.name.to_owned(), name_of(column.kind), values(k, column.kind));
+    let crs = layer.crs.as_ref().and_then(crs_text);
+    let head = (layer.name.clone(), layer.geometry_name().to_owned(), crs);
+    let coords = PyArray1::from_slice(py, layer.vertices().values());
+    let offsets = layer.offset_lists().into_iter().map(|list| PyArray1::from_slice(py, list.offsets())).collect();
+    (head, layer.columns.iter().enumerate().map(column).collect(), coords, offsets)
+}
 
-    /// The layer of these parts.
-    pub fn of_parts(py: Python<'_>, (head, given, coords, offsets): State<'_>) -> PyResult<Self> {
-        let ((name, geometry, crs), broken) = (head, || parameter(py, "the parts of the layer do not fit each other"));
-        let geometry = match geometry.as_str() {
-            "Point" => Geometry::Points,
-            "LineString" => Geometry::Lines,
-            "Polygon" => Geometry::Areas,
-            _ => return Err(broken()),
-        };
-        let kinds: Option<Vec<(String, Kind)>> =
-            given.iter().map(|(name, kind, _)| Some((name.clone(), kind_of(kind)?))).collect();
-        let columns = columns(&kinds.ok_or_else(broken)?);
-        let numbers = coords.try_readonly()?;
-        let numbers = numbers.as_slice().map_err(|_| broken())?;
-        let lists: Vec<Vec<usize>> = offsets
-            .iter()
-            .map(|list| Ok(list.try_readonly()?.as_array().iter().map(|at| *at as usize).collect()))
-            .collect::<PyResult<_>>()?;
-        let flat: Vec<DVec2> = numbers.as_chunks::<2>().0.iter().map(|p| DVec2::from(*p)).collect();
-        let solid: Vec<DVec3> = numbers.as_chunks::<3>().0.iter().map(|p| DVec3::from(*p)).collect();
-        let shapes: Option<Vec<Shape<'_>>> = match (geometry, lists.as_slice()) {
-            (Geometry::Points, []) => {
-                Some(flat.iter().map(|p| Shape::Point(Some(*p).filter(|p| p.is_finite()))).collect())
-            }
-            (Geometry::Lines, [lines]) => lines.windows(2).map(|w| Some(Shape::Line(solid.get(w[0]..w[1])?))).collect(),
-            (Geometry::Areas, [rings, areas]) => {
-                let ring = |w: &[usize]| Some(flat.get(w[0]..w[1])?.to_vec());
-                let area = |w: &[usize]| {
-                    rings.get(w[0]..=w[1])?.windows(2).map(ring).collect::<Option<Vec<_>>>().map(Shape::Area)
-                };
-                areas.windows(2).map(area).collect()
-            }
-            _ => None,
-        };
-        let shapes = shapes.ok_or_else(broken)?;
-        let cell = |values: &Values, k: usize| -> Option<Cell<'static>> {
-            Some(match values {
-                Values::Reals(all) => all.get(k)?.map_or(Cell::Null, Cell::Real),
-                Values::Ints(all) => all.get(k)?.map_or(Cell::Null, Cell::Int),
-                Values::Flags(all) => all.get(k)?.map_or(Cell::Null, Cell::Bool),
-                Values::Texts(all) => all.get(k)?.clone().map_or(Cell::Null, |text| Cell::Text(text.into())),
-            })
-        };
-        // Python has no whole numbers apart from others where all values are missing.
-        let fitted = |cell: Cell<'static>, kind: Kind| match (cell, kind) {
-            (Cell::Int(number), Kind::Real | Kind::Height | Kind::HeightError) => Cell::Real(number as f64),
-            (cell, _) => cell,
-        };
-        let rows: Option<Vec<Row<'_>>> = shapes
-            .into_iter()
-            .enumerate()
-            .map(|(k, shape)| {
-                let cells = given
-                    .iter()
-                    .zip(columns)
-                    .map(|((_, _, values), column)| Some(fitted(cell(values, k)?, column.kind)));
-                Some(Row { shape, cells: cells.collect::<Option<_>>()? })
-            })
-            .collect();
-        let rows = rows.ok_or_else(broken)?;
-        let crs = crate::source::crs(py, crs.as_deref())?;
-        let layer = layer::Layer { name: &name, geometry, columns, rows };
-        Self::new(&layer, crs.as_ref()).map_err(|error| exception(py, &error))
-    }
+/// A layer from what [`layer_state`] gave.
+#[pyfunction]
+pub fn restored_layer(py: Python<'_>, state: State<'_>) -> PyResult<Layer> {
+    let (head, given, coords, offsets) = state;
+    let ((name, geometry, crs), broken) = (head, || parameter(py, "the parts of the layer do not fit each other"));
+    let geometry = match geometry.as_str() {
+        "Point" => Geometry::Points,
+        "LineString" => Geometry::Lines,
+        "Polygon" => Geometry::Areas,
+        _ => return Err(broken()),
+    };
+    let kinds: Option<Vec<(String, Kind)>> =
+        given.iter().map(|(name, kind, _)| Some((name.clone(), kind_of(kind)?))).collect();
+    let columns = columns(&kinds.ok_or_else(broken)?);
+    let numbers = coords.try_readonly()?;
+    let numbers = numbers.as_slice().map_err(|_| broken())?;
+    let lists: Vec<Vec<usize>> = offsets
+        .iter()
+        .map(|list| Ok(list.try_readonly()?.as_array().iter().map(|at| *at as usize).collect()))
+        .collect::<PyResult<_>>()?;
+    let flat: Vec<DVec2> = numbers.as_chunks::<2>().0.iter().map(|p| DVec2::from(*p)).collect();
+    let solid: Vec<DVec3> = numbers.as_chunks::<3>().0.iter().map(|p| DVec3::from(*p)).collect();
+    let shapes: Option<Vec<Shape<'_>>> = match (geometry, lists.as_slice()) {
+        (Geometry::Points, []) => Some(flat.iter().map(|p| Shape::Point(Some(*p).filter(|p| p.is_finite()))).collect()),
+        (Geometry::Lines, [lines]) => lines.windows(2).map(|w| Some(Shape::Line(solid.get(w[0]..w[1])?))).collect(),
+        (Geometry::Areas, [rings, areas]) => {
+            let ring = |w: &[usize]| Some(flat.get(w[0]..w[1])?.to_vec());
+            let area =
+                |w: &[usize]| rings.get(w[0]..=w[1])?.windows(2).map(ring).collect::<Option<Vec<_>>>().map(Shape::Area);
+            areas.windows(2).map(area).collect()
+        }
+        _ => None,
+    };
+    let shapes = shapes.ok_or_else(broken)?;
+    let cell = |values: &Values, k: usize| -> Option<Cell<'static>> {
+        Some(match values {
+            Values::Reals(all) => all.get(k)?.map_or(Cell::Null, Cell::Real),
+            Values::Ints(all) => all.get(k)?.map_or(Cell::Null, Cell::Int),
+            Values::Flags(all) => all.get(k)?.map_or(Cell::Null, Cell::Bool),
+            Values::Texts(all) => all.get(k)?.clone().map_or(Cell::Null, |text| Cell::Text(text.into())),
+        })
+    };
+    // Python has no whole numbers apart from others where all values are missing.
+    let fitted = |cell: Cell<'static>, kind: Kind| match (cell, kind) {
+        (Cell::Int(number), Kind::Real | Kind::Height | Kind::HeightError) => Cell::Real(number as f64),
+        (cell, _) => cell,
+    };
+    let rows: Option<Vec<Row<'_>>> = shapes
+        .into_iter()
+        .enumerate()
+        .map(|(k, shape)| {
+            let cells =
+                given.iter().zip(columns).map(|((_, _, values), column)| Some(fitted(cell(values, k)?, column.kind)));
+            Some(Row { shape, cells: cells.collect::<Option<_>>()? })
+        })
+        .collect();
+    let rows = rows.ok_or_else(broken)?;
+    let crs = crate::source::crs(py, crs.as_deref())?;
+    let layer = layer::Layer { name: &name, geometry, columns, rows };
+    Layer::new(&layer, crs.as_ref()).map_err(|error| exception(py, &error))
 }

@@ -10,6 +10,7 @@
 //! | `input.rs` | the input of a terrain, from sources and options |
 //! | `terrain.rs`, `verbs.rs`, `flow.rs`, `comparison.rs` | the work |
 //! | `layer.rs`, `raster.rs`, `model.rs`, `derived.rs` | results |
+//! | `layer_state.rs` | layers for pickle |
 //! | `work.rs`, `error.rs` | threads, progress, Ctrl-C; exceptions |
 
 mod arrow_input;
@@ -46,6 +47,8 @@ fn _tokosen(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<source::Source>()?;
     module.add_class::<layer::Layer>()?;
+    module.add_function(wrap_pyfunction!(layer_state::layer_state, module)?)?;
+    module.add_function(wrap_pyfunction!(layer_state::restored_layer, module)?)?;
     module.add_class::<raster::Raster>()?;
     module.add_class::<model::Model>()?;
     module.add_class::<terrain::Terrain>()?;

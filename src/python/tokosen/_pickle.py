@@ -15,7 +15,7 @@ def raster(*state: Any) -> _tokosen.Raster:
 
 def layer(state: Any) -> _tokosen.Layer:
     """A layer of its parts."""
-    return _tokosen.Layer.restore(state)
+    return _tokosen.restored_layer(state)
 
 
 def model(state: Any) -> _tokosen.Model:
@@ -24,5 +24,5 @@ def model(state: Any) -> _tokosen.Model:
 
 
 copyreg.pickle(_tokosen.Raster, lambda given: (raster, given.state()))
-copyreg.pickle(_tokosen.Layer, lambda given: (layer, (given.state(),)))
+copyreg.pickle(_tokosen.Layer, lambda given: (layer, (_tokosen.layer_state(given),)))
 copyreg.pickle(_tokosen.Model, lambda given: (model, (given.state(),)))
