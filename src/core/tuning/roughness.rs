@@ -49,10 +49,10 @@ tuned! {
 }
 
 impl RoughnessTuning {
-    /// How noisy contours are, from 0 to 1.
+    /// How noisy contours are, from 0 to 1; 0 if nothing shows it.
     pub fn noisy_share(&self, exponent: Option<f64>) -> f64 {
         let [noisy, smooth] = self.noisy_exponents;
-        ((smooth - exponent.unwrap_or(self.usual_exponent)) / (smooth - noisy)).clamp(0.0, 1.0)
+        exponent.map_or(0.0, |exponent| ((smooth - exponent) / (smooth - noisy)).clamp(0.0, 1.0))
     }
 
     /// The power with which the error grows with the contour interval.
