@@ -31,7 +31,7 @@ tuned! {
         /// points.
         ///
         /// Refit: shares.
-        hidden_to_all: f64 = 0.86,
+        hidden_to_all: f64 = 0.9,
         /// The same; surface of triangles.
         ///
         /// Tried 0.475 and 1.9: no effect on the share of errors within one standard error of three maps. It acts on
