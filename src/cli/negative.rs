@@ -128,6 +128,7 @@ mod tests {
         ("--threads", "-1", Refused),
         ("--zooms", "-1:5", Refused),
         ("--max-zoom", "-1", Refused),
+        ("--scale", "-5000", Refused),
         ("--tile-side", "-1", Refused),
         ("--jobs", "-1", Refused),
     ];

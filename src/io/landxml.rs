@@ -222,7 +222,7 @@ mod tests {
         assert!(wrong("10 1 11", "10 x 11").contains("x is no number"));
         assert!(wrong("elev=\"20\"", "").contains("has no elevation"));
         assert!(wrong("linearUnit=\"meter\"", "linearUnit=\"mile\"").contains("mile"));
-        assert!(wrong("</LandXML>", "").contains("end"));
+        assert!(wrong("</LandXML>", "").contains("cut off"));
         let feet = table(&TEXT.replace("\"meter\"", "\"foot\""), Purpose::Contours).unwrap();
         assert_eq!(feet.plane_unit.map(|unit| unit.metres), Some(0.3048));
         assert!(feet.unit_hint.is_some_and(|hint| hint.is_feet));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::ReadOptions;
 use super::file_box::FileBox;
-use super::format::InputFormat;
+use super::format::{InputFormat, VectorFormat};
 use super::gsi;
 use super::in_memory::InMemory;
 use tokosen_core::base::error::{Error, Result};
@@ -114,7 +114,7 @@ fn matching(path: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
 }
 
 /// The vector files in a folder, by name. None if it may hold files of 基盤地図情報, which are read as one map anyway. Files in
-/// formats that are only read count if there are no others: an archive or a KML beside a file is mostly a copy of it.
+/// formats that are only read, and KML, count if there are no others: an archive or a KML beside a file is mostly a copy of it.
 fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |e| Error::io("read", folder, e);
     let entries = std::fs::read_dir(folder).map_err(failed)?;
@@ -128,7 +128,7 @@ fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
         // Files of these names may hold anything.
         let is_vague = ["json", "csv", "tsv"].contains(&extension.as_str());
         match InputFormat::from_path(&path) {
-            Ok(InputFormat::Written(_)) if !is_vague => files.push(path),
+            Ok(InputFormat::Written(format)) if !is_vague && format != VectorFormat::Kml => files.push(path),
             Ok(_) if !is_vague => further.push(path),
             _ => {}
         }

@@ -213,8 +213,9 @@ mod tests {
         let said = |units: Units, text: &str| units.message(text);
         let text = "a gap of 3.048 map units in the contour 15.24003048006096 m (feature 3) was closed";
         assert_eq!(said(FEET, text), "a gap of 10 ft in the contour 50 ft (feature 3) was closed");
-        assert_eq!(said(UNKNOWN, text), text);
-        let metric = "a gap of 3.048 m in the contour 15.24003048006096 m (feature 3) was closed";
+        let unknown = "a gap of 3.048 map units in the contour 15.24 m (feature 3) was closed";
+        assert_eq!(said(UNKNOWN, text), unknown);
+        let metric = "a gap of 3.048 m in the contour 15.24 m (feature 3) was closed";
         assert_eq!(said(Units::METRES, text), metric);
         // The plane may be in metres although heights are in feet.
         let mixed = Units { heights: UsSurveyFoot, plane: Some(Metre) };

@@ -18,7 +18,7 @@ pub(super) const NARROW: f64 = 290.0;
 /// Room for the line about the source.
 pub(super) const FOOT: f64 = 5.0;
 /// Usual scales, times powers of ten.
-const USUAL: [f64; 12] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.5];
+const USUAL: [f64; 10] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.5];
 /// The longest side of paper, millimetres.
 const LONGEST: f64 = 5000.0;
 /// The shortest one.
@@ -210,7 +210,7 @@ mod tests {
         let feet = page.place(DVec2::new(9000.0, 5000.0), Some(0.3048)).unwrap();
         assert_eq!(feet.scale, Some(7500.0));
         assert_eq!(page.place(DVec2::ONE, None).unwrap().scale, None);
-        assert_eq!([999.0, 1000.0, 1001.0, 7600.0].map(usual), [1000.0, 1000.0, 1500.0, 10_000.0]);
+        assert_eq!([999.0, 1000.0, 1001.0, 7600.0].map(usual), [1000.0, 1000.0, 1250.0, 10_000.0]);
     }
 
     #[test]

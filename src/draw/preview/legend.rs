@@ -331,7 +331,7 @@ mod tests {
             told(&denser, Shown::All),
             [
                 "Input contours, 10 m, drawn every 50 m",
-                "Interpolated contours, 2 m: too dense to draw",
+                "Interpolated contours, 2 m: too dense to draw below 13 times this size",
                 "Index contours, 250 m"
             ]
         );

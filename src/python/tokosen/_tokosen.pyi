@@ -18,8 +18,10 @@ __all__ = [
     "compare",
     "contour",
     "derive",
+    "layer_state",
     "program",
     "regions",
+    "restored_layer",
     "skeleton",
 ]
 __version__: str
@@ -65,6 +67,7 @@ class Layer:
 
 def layer_state(layer: Layer) -> Any: ...
 def restored_layer(state: Any) -> Layer: ...
+
 @final
 class Raster:
     @staticmethod
