@@ -42,7 +42,9 @@ impl ViewerArgs {
         if let (true, Some((flag, _))) =
             (tiles.is_empty(), ["--viewer", "--attribution"].iter().zip(given).find(|(_, is)| *is))
         {
-            return usage(format!("{flag} applies to map tiles: .pmtiles, .mbtiles or 'FOLDER/{{z}}/{{x}}/{{y}}.pbf'"));
+            // A page cannot read .mbtiles.
+            let database = if *flag == "--viewer" { "" } else { ", .mbtiles" };
+            return usage(format!("{flag} applies to map tiles: .pmtiles{database} or 'FOLDER/{{z}}/{{x}}/{{y}}.pbf'"));
         }
         let Some(page) = &self.viewer else { return Ok(()) };
         check_extension(page, "map pages", &["html", "htm"])?;

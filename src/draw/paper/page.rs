@@ -27,7 +27,7 @@ const SHORTEST: f64 = 100.0;
 /// A size of paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paper {
-    /// Sides, millimetres; the longer one first, unless `is_turned` says how it lies.
+    /// Sides, millimetres; the longer one first, unless they are width and height as they are.
     sides: [f64; 2],
     /// Whether the sides are width and height as they are.
     is_fixed: bool,
