@@ -141,12 +141,6 @@ fn flag_of(parameter: &str) -> Option<&'static str> {
 pub fn not_in_tiles(flag: &str) -> &'static str {
     match flag {
         "--strict" => "a plan does not see the findings of its tasks; 'tokosen check' examines the contours first",
-        "--exclude" => "tiles cannot leave parts out yet; cut them out of the joined results",
-        "--save-run" | "--tune" => {
-            "it does not apply to a plan; its manifest.json holds what is needed to repeat the tasks"
-        }
-        _ => {
-            "tiles cannot take it yet; make the map in one run with 'tokosen dem' or 'densify', or in parts with --extent, which take it"
-        }
+        _ => "it does not apply to a plan; its manifest.json holds what is needed to repeat the tasks",
     }
 }

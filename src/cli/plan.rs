@@ -75,21 +75,8 @@ Examples:
   tokosen work plan --jobs 4
   tokosen join plan -o dense.gpkg --dem dem.tif --cog";
 
-/// The flags that tiles cannot take yet.
-const REFUSED: [&str; 12] = [
-    "--exclude",
-    "--cliffs",
-    "--coast",
-    "--water",
-    "--sea",
-    "--streams",
-    "--stream-tolerance",
-    "--breaklines",
-    "--sinks",
-    "--strict",
-    "--tune",
-    "--save-run",
-];
+/// The flags that tiles cannot take.
+const REFUSED: [&str; 3] = ["--strict", "--tune", "--save-run"];
 
 /// The size of tiles.
 fn size(text: &str) -> Result<f64, String> {

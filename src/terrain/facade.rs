@@ -102,6 +102,9 @@ impl Terrain {
         let built = build(std::mem::take(&mut input.map), &params, progress);
         let mut surface = input.found(built)?;
         input.check_strict()?;
+        if let Some(elsewhere) = input.findings.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
+            return Err(Error::StreamsElsewhere(elsewhere.message.clone()));
+        }
         let mut findings = std::mem::take(&mut input.findings);
         let part = part.map(|part| part.of(&surface.frame.area)).transpose()?;
         if let Some(area) = &part {

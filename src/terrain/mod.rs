@@ -5,6 +5,8 @@
 //! [`Terrain::findings`].
 
 mod base;
+#[cfg(feature = "io")]
+mod beside;
 mod clipped;
 mod compare;
 mod dem_area;
@@ -33,6 +35,7 @@ mod profile;
 mod report;
 mod room;
 mod sample;
+mod samples;
 #[cfg(feature = "io")]
 mod sheets;
 mod sides;
@@ -42,6 +45,8 @@ mod units;
 mod volume;
 
 pub use base::BaseJoin;
+#[cfg(feature = "io")]
+pub(crate) use beside::Beside;
 #[cfg(feature = "io")]
 pub use clipped::clip_areas;
 pub use clipped::{clip_edges, clip_skeleton, clip_streams, clip_subdivision};
@@ -63,7 +68,7 @@ pub use options::Options;
 pub use places::read_places_in;
 pub use places::{Outlets, Place, flood_source};
 #[cfg(feature = "io")]
-pub(crate) use planned::{Ground, Planned, TileParams, tile_surface};
+pub(crate) use planned::{Ground, Planned, TileParams, lake_height, tile_surface};
 pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
 #[cfg(feature = "io")]

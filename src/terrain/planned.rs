@@ -3,17 +3,18 @@
 use geo::{BoundingRect, MultiPolygon, Rect};
 use glam::DVec2;
 
+use super::beside::Beside;
 use super::grid::GridSpec;
-use super::input::Input;
+use super::input::{Input, surface_params};
 use super::options::Options;
 use super::part::{Part, box_area};
 use tokosen_core::base::Grid;
-use tokosen_core::base::error::{Error, FindingKind, Report, Result};
+use tokosen_core::base::error::{Error, FindingKind, Report, Result, Severity};
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::check::first_causes;
-use tokosen_core::contour::ContourMap;
-use tokosen_core::features::Features;
-use tokosen_core::spline::{SplineParams, Wanted};
+use tokosen_core::contour::{ContourMap, Lake};
+use tokosen_core::spline::Wanted;
+use tokosen_core::subdivision::{SAME_LEVEL, Water, subdivide_with_water};
 use tokosen_core::subdomains::{Frame, frame_ring};
 use tokosen_core::surface::{Surface, SurfaceParams, Uncertainty, Whole, build, whole_map};
 
@@ -77,6 +78,10 @@ pub(crate) struct Planned {
     pub ground: Ground,
     /// The cells of the height map of the whole map, if one is wanted.
     pub cells: Option<Grid>,
+    /// The levels of coasts, metres.
+    pub coast: Vec<f64>,
+    /// How far contours that end beside a cliff end because of it, map units.
+    pub cliff_reach: f64,
 }
 
 /// How the surface of a tile is made.
@@ -90,20 +95,43 @@ pub(crate) struct TileParams {
     pub core: [f64; 4],
     /// The window around it, likewise.
     pub window: [f64; 4],
+    /// What lies beside the contours and meets the window.
+    pub beside: Beside,
+}
+
+impl TileParams {
+    /// The tile, as a part of the whole map.
+    fn part(&self) -> Result<Part> {
+        let around = box_area(self.window)?.bounding_rect().ok_or(Error::NoContours { in_polygon: false })?;
+        Ok(Part::with_window(box_area(self.core)?, around, self.planned.ground.area().clone()))
+    }
+
+    /// The frame of the surface over its window.
+    fn frame(&self, part: &Part) -> Frame {
+        part.frame(self.planned.ground.frame())
+    }
 }
 
 impl Input {
-    /// What the tiles of a map take from the whole map. Lines that were not prepared are prepared first. The map stays in the input.
+    /// What the tiles of a map take from the whole map, and what lies beside its contours. Lines that were not prepared are
+    /// prepared first. The map stays in the input.
     ///
     /// # Errors
     /// [`Error::Parameter`] for what tiles cannot take. As [`Input::prepare`] and [`whole_map`].
-    pub(crate) fn plan(&mut self, options: &Options, progress: &dyn Progress) -> Result<Planned> {
+    pub(crate) fn plan(&mut self, options: &Options, progress: &dyn Progress) -> Result<(Planned, Beside)> {
         self.check_plannable(options)?;
         if !self.is_prepared {
+            options.sea.into_iter().for_each(|sea| self.expect_level(sea));
             self.prepare(&options.preparation, progress)?;
         }
+        self.report_sides_elsewhere();
         let cells = options.cells(&self.reprojection)?;
         let frame = self.frame.clone();
+        let beside = Beside {
+            features: self.features.clone(),
+            excluded: std::mem::take(&mut self.excluded),
+            at_cliffs: std::mem::take(&mut self.at_cliffs),
+        };
         let params = self.surface_params(options, cells.as_ref());
         let figures = step(progress, "the whole map", || whole_map(&self.map, &params));
         let whole = figures.map_err(|error| self.named_error(error))?.ok_or_else(|| {
@@ -115,27 +143,17 @@ impl Input {
         })?;
         let ring = frame_ring(&self.map, &frame);
         let cells = cells.map(|cells| cells.grid(&ring)).transpose()?;
-        Ok(Planned { whole, ground: Ground::of(&self.map, &frame), cells })
+        let (ground, coast) = (Ground::of(&self.map, &frame), self.coast.clone());
+        Ok((Planned { whole, ground, cells, coast, cliff_reach: self.cliff_reach }, beside))
     }
 
     /// Refuses what tiles cannot take yet.
     fn check_plannable(&self, options: &Options) -> Result<()> {
-        let Features { coast, excluded, cliffs, lakes, streams, river_areas, break_lines, sinks } = &self.features;
-        let is_excluded = !self.excluded.is_empty() || !excluded.is_empty();
-        let has_coast = options.sea.is_some() || !self.coast.is_empty() || !coast.is_empty();
-        let has_water = !(lakes.is_empty() && streams.is_empty() && river_areas.is_empty() && sinks.is_empty());
         let is_elsewhere = !matches!(options.grid, None | Some(GridSpec::Cell(_)));
         let what = [
             (is_elsewhere, "cells of another grid than square ones in the working CRS: warp the joined height map"),
             (self.part.is_some(), "a part of the map: tiles cover the whole map, so cut the contours first"),
             (self.base.is_some(), "a base height map: fill the joined height map afterwards"),
-            (is_excluded, "excluded parts: cut the joined results afterwards"),
-            (has_coast, "the sea or a coast: make the map in one run or in parts (--extent)"),
-            (has_water, "lakes, streams and sinks: make the map in one run or in parts (--extent)"),
-            (
-                !cliffs.is_empty() || !break_lines.is_empty(),
-                "cliffs and break lines: make the map in one run or in parts (--extent)",
-            ),
             (options.uncertainty == Uncertainty::Learnt, "expected errors: estimate them on a part (--extent)"),
             (
                 self.reprojection.plane_of_drawing().is_some(),
@@ -154,30 +172,39 @@ impl Input {
 /// # Errors
 /// As [`build`](fn@build).
 pub(crate) fn tile_surface(map: ContourMap, tile: &TileParams, progress: &dyn Progress) -> Result<Report<Surface>> {
-    let TileParams { options, planned, core, window } = tile;
-    let ground = planned.ground.area().clone();
-    let around = box_area(*window)?.bounding_rect().ok_or(Error::NoContours { in_polygon: false })?;
-    let part = Part::with_window(box_area(*core)?, around, ground);
+    let TileParams { options, planned, core, beside, .. } = tile;
     let wanted = planned.cells.map(|cells| Wanted::Cell(cells.cell.x));
+    let frame = tile.frame(&tile.part()?);
+    // A window may lie far from the coast.
+    let is_at_sea = |sea: &f64| map.contours.iter().any(|line| (line.elevation - sea).abs() <= SAME_LEVEL);
+    let options = Options { sea: options.sea.filter(is_at_sea), ..options.clone() };
     let params = SurfaceParams {
-        kind: options.kind,
-        frame: part.frame(planned.ground.frame()),
-        resolution: options.resolution,
-        drain: options.drain,
-        spline: SplineParams { wanted, tension: options.tension, noise: options.noise },
         whole: Some(planned.whole.clone()),
-        triangles: options.triangles,
-        memory: options.memory,
-        ..SurfaceParams::default()
+        ..surface_params(&options, beside.features.clone(), planned.coast.clone(), (frame, wanted))
     };
     let Report { value, findings } = build(map, &params, progress)?;
     let mut findings = first_causes(findings);
+    beside.explain(&mut findings, planned.cliff_reach);
     let bounds = Rect::new((core[0], core[1]), (core[2], core[3]));
     findings.retain(|finding| {
         // It is the window that reaches beyond the map, and nobody asked for it.
-        finding.kind != FindingKind::FrameBeyondMap && finding.place.is_none_or(|p| holds(&bounds, p))
+        finding.kind != FindingKind::FrameBeyondMap
+            // Windows overlap. So a note that counts something in a window says nothing about the map.
+            && finding.place.map_or(finding.kind.severity() > Severity::Note, |p| holds(&bounds, p))
     });
     Ok(Report { value, findings })
+}
+
+/// The height of a lake that has none in the data, from the lines that meet a window around it; `None` if there is no ground of known
+/// height at its shore.
+///
+/// # Errors
+/// As [`subdivide_with_water`].
+pub(crate) fn lake_height(map: ContourMap, tile: &TileParams, lake: &Lake) -> Result<Option<f64>> {
+    let frame = tile.frame(&tile.part()?);
+    let water = Water { lakes: vec![lake.clone()], ..Water::default() };
+    let found = subdivide_with_water(map, &frame, &water, &())?;
+    Ok(found.value.lake_heights().next())
 }
 
 /// Whether a tile holds a place. Each place belongs to one tile: not to those on its west and south.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
+use tokosen_core::base::FeatureId;
 use tokosen_core::base::error::{Error, Result};
 
 /// Bytes to write.
@@ -16,6 +17,17 @@ impl Out {
 
     pub fn number(&mut self, value: f64) {
         self.0.extend(value.to_bits().to_le_bytes());
+    }
+
+    pub fn feature(&mut self, feature: FeatureId) {
+        self.count(feature.file().unwrap_or(0) as usize);
+        self.count(feature.number() as usize);
+    }
+
+    /// Their number, and each of them as `add` writes it.
+    pub fn each<T>(&mut self, all: &[T], mut add: impl FnMut(&mut Self, &T)) {
+        self.count(all.len());
+        all.iter().for_each(|one| add(self, one));
     }
 
     pub fn points(&mut self, points: &[DVec2]) {
@@ -69,8 +81,18 @@ impl<'a> In<'a> {
     }
 
     pub fn points(&mut self) -> Result<Vec<DVec2>> {
-        let count = self.count(16)?;
-        (0..count).map(|_| self.point()).collect()
+        self.each(16, Self::point)
+    }
+
+    pub fn feature(&mut self) -> Result<FeatureId> {
+        let (file, number) = (self.whole()? as u32, self.whole()?);
+        Ok(FeatureId::from(number).in_file(file))
+    }
+
+    /// Things that [`Out::each`] wrote, each of at least so many bytes.
+    pub fn each<T>(&mut self, bytes: usize, mut read: impl FnMut(&mut Self) -> Result<T>) -> Result<Vec<T>> {
+        let count = self.count(bytes)?;
+        (0..count).map(|_| read(self)).collect()
     }
 
     /// All that is left.

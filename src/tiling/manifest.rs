@@ -23,7 +23,7 @@ pub const NAME: &str = "manifest.json";
 const DESCRIPTION: &str =
     "plan of tokosen: 'tokosen work FOLDER --task ID' does a task, 'tokosen join FOLDER' joins the results";
 /// The version of the layout of the folder. One of another version is refused.
-const LAYOUT: u32 = 1;
+const LAYOUT: u32 = 2;
 /// The largest manifest that is read, bytes: about a million tasks.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -62,6 +62,12 @@ pub(super) struct Shared {
     pub ground: StoredGround,
     /// The cells of the height map, if one is wanted.
     pub cells: Option<Grid>,
+    /// The level of the sea, if it is named, and those of coasts, metres.
+    pub sea: Option<f64>,
+    pub coast: Vec<f64>,
+    /// How far a stream is moved to agree with the contours, and how far from a cliff contours end because of it, map units.
+    pub stream_tolerance: Option<f64>,
+    pub cliff_reach: f64,
     /// The system of the working plane.
     pub working_crs: Option<Crs>,
 }
@@ -154,7 +160,13 @@ impl StoredGround {
 impl Shared {
     /// What the tiles take from the whole map.
     pub fn planned(&self) -> Planned {
-        Planned { whole: self.whole.clone(), ground: self.ground.ground(), cells: self.cells }
+        Planned {
+            whole: self.whole.clone(),
+            ground: self.ground.ground(),
+            cells: self.cells,
+            coast: self.coast.clone(),
+            cliff_reach: self.cliff_reach,
+        }
     }
 }
 

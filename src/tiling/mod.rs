@@ -10,6 +10,7 @@
 //! cut where it leaves a tile. Both tiles at a seam compute the place, and the two places differ by less than the heights do. The
 //! line goes through the middle between them.
 
+mod beside;
 mod bytes;
 mod chains;
 mod cut;

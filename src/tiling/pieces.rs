@@ -1,15 +1,17 @@
 //! What a task needs of the map: the parts of lines that meet the window of its tile, and the points in it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use tokosen_core::base::FeatureId;
 use tokosen_core::base::bits::bits;
 use tokosen_core::base::error::Result;
 use tokosen_core::contour::{Contour, ContourMap, SoftSpot};
 
+use super::beside;
 use super::bytes::{In, Out};
+use crate::terrain::Beside;
 
 /// A window.
 #[derive(Debug, Clone, Copy)]
@@ -23,13 +25,25 @@ impl Window {
         Self { lo, hi }
     }
 
-    fn holds(&self, p: DVec2) -> bool {
+    pub fn holds(&self, p: DVec2) -> bool {
         p.cmpge(self.lo).all() && p.cmple(self.hi).all()
     }
 
     /// Whether the box around a segment meets the window.
     fn meets(&self, a: DVec2, b: DVec2) -> bool {
         a.max(b).cmpge(self.lo).all() && a.min(b).cmple(self.hi).all()
+    }
+
+    /// Whether a segment of a line, or its only point, meets the window as [`Window::meets`] tells.
+    pub fn meets_line(&self, points: impl Iterator<Item = DVec2>) -> bool {
+        let mut before = None;
+        points.into_iter().any(|p| self.meets(before.replace(p).unwrap_or(p), p))
+    }
+
+    /// Whether the box around points meets the window.
+    pub fn meets_box(&self, points: impl Iterator<Item = DVec2>) -> bool {
+        let [lo, hi] = points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)]);
+        self.meets(lo, hi)
     }
 
     /// The runs of a line whose segments meet the window. Ends of runs that are no ends of the line lie outside. A ring goes on
@@ -68,40 +82,58 @@ pub fn boxes(map: &ContourMap) -> Vec<[DVec2; 2]> {
     map.contours.iter().map(around).collect()
 }
 
-/// The part of a map around a tile, as bytes. Returns the number of vertices too.
-pub fn encode(map: &ContourMap, boxes: &[[DVec2; 2]], window: &Window) -> (Vec<u8>, usize) {
-    let (mut out, mut vertices) = (Out::default(), 0);
+/// The part of a map that meets a window, and the number of the line of the map that each of its lines is a part of.
+pub fn around(map: &ContourMap, boxes: &[[DVec2; 2]], window: &Window) -> (ContourMap, Vec<u32>) {
     let near = (0..).zip(&map.contours).zip(boxes).filter(|(_, [lo, hi])| window.meets(*lo, *hi));
-    let runs: Vec<(usize, &Contour, Vec<DVec2>)> =
-        near.flat_map(|((k, line), _)| window.runs(&line.points).into_iter().map(move |run| (k, line, run))).collect();
-    out.count(runs.len());
-    for (number, line, run) in runs {
-        out.count(number);
+    let part = |line: &Contour, points| Contour { elevation: line.elevation, points, feature: line.feature };
+    let (contours, numbers): (Vec<Contour>, Vec<u32>) = near
+        .flat_map(|((k, line), _)| window.runs(&line.points).into_iter().map(move |run| (part(line, run), k)))
+        .unzip();
+    let features: HashSet<FeatureId> = contours.iter().map(|line| line.feature).collect();
+    let holds = |p: &DVec2| window.holds(*p);
+    let found = ContourMap {
+        spots: map.spots.iter().filter(|spot| window.holds(spot.truncate())).copied().collect(),
+        soft_spots: map.soft_spots.iter().filter(|spot| window.holds(spot.place.truncate())).copied().collect(),
+        depressions: map.depressions.iter().filter(|(f, _)| features.contains(f)).map(|(f, is)| (*f, *is)).collect(),
+        mended: map.mended.iter().copied().filter(holds).collect(),
+        cut_ends: map.cut_ends.iter().copied().filter(holds).collect(),
+        contours,
+        ..ContourMap::default()
+    };
+    (found, numbers)
+}
+
+/// What a task needs, as bytes.
+pub fn encode((map, numbers): &(ContourMap, Vec<u32>), beside: &Beside) -> Vec<u8> {
+    let mut out = Out::default();
+    out.count(map.contours.len());
+    for (line, number) in map.contours.iter().zip(numbers) {
+        out.count(*number as usize);
         out.number(line.elevation);
-        out.count(line.feature.file().unwrap_or(0) as usize);
-        out.count(line.feature.number() as usize);
-        out.points(&run);
-        vertices += run.len();
+        out.feature(line.feature);
+        out.points(&line.points);
     }
-    let spots: Vec<&DVec3> = map.spots.iter().filter(|spot| window.holds(spot.truncate())).collect();
-    out.count(spots.len());
-    for spot in spots {
-        out.0.extend(spot.to_array().iter().flat_map(|v| v.to_le_bytes()));
+    out.each(&map.spots, |out, spot| spot.to_array().into_iter().for_each(|v| out.number(v)));
+    out.each(&map.soft_spots, |out, spot| {
+        spot.place.to_array().into_iter().chain([spot.sigma]).for_each(|v| out.number(v));
+    });
+    out.count(map.depressions.len());
+    for (feature, is_depression) in &map.depressions {
+        out.feature(*feature);
+        out.count(usize::from(*is_depression));
     }
-    let soft: Vec<&SoftSpot> = map.soft_spots.iter().filter(|spot| window.holds(spot.place.truncate())).collect();
-    out.count(soft.len());
-    for spot in soft {
-        out.0.extend(spot.place.to_array().iter().chain([&spot.sigma]).flat_map(|v| v.to_le_bytes()));
-    }
-    let mended: Vec<DVec2> = map.mended.iter().copied().filter(|p| window.holds(*p)).collect();
-    out.points(&mended);
-    (out.0, vertices)
+    out.points(&map.mended);
+    out.points(&map.cut_ends);
+    beside::encode(&mut out, beside);
+    out.0
 }
 
 /// The part of a map around a tile.
 pub struct Around {
     /// The lines and points.
     pub map: ContourMap,
+    /// What lies beside them.
+    pub beside: Beside,
     /// The number, in the whole map, of the line that each vertex is on.
     lines: HashMap<[u64; 2], u32>,
 }
@@ -115,20 +147,17 @@ impl Around {
         let mut bytes = In::new(bytes, file);
         let mut map = ContourMap::default();
         let mut numbers = Vec::new();
-        for _ in 0..bytes.count(40)? {
+        map.contours = bytes.each(40, |bytes| {
             numbers.push(bytes.whole()? as u32);
-            let elevation = bytes.number()?;
-            let (file, number) = (bytes.whole()? as u32, bytes.whole()?);
-            let feature = FeatureId::from(number).in_file(file);
-            map.contours.push(Contour { elevation, points: bytes.points()?, feature });
-        }
-        for _ in 0..bytes.count(24)? {
-            map.spots.push(bytes.point()?.extend(bytes.number()?));
-        }
-        for _ in 0..bytes.count(32)? {
-            map.soft_spots.push(SoftSpot { place: bytes.point()?.extend(bytes.number()?), sigma: bytes.number()? });
-        }
+            Ok(Contour { elevation: bytes.number()?, feature: bytes.feature()?, points: bytes.points()? })
+        })?;
+        map.spots = bytes.each(24, |bytes| Ok(bytes.point()?.extend(bytes.number()?)))?;
+        map.soft_spots = bytes
+            .each(32, |bytes| Ok(SoftSpot { place: bytes.point()?.extend(bytes.number()?), sigma: bytes.number()? }))?;
+        map.depressions = bytes.each(24, |bytes| Ok((bytes.feature()?, bytes.whole()? != 0)))?.into_iter().collect();
         map.mended = bytes.points()?;
+        map.cut_ends = bytes.points()?;
+        let beside = beside::decode(&mut bytes)?;
         let mut lines = HashMap::new();
         for (line, &number) in map.contours.iter().zip(&numbers) {
             lines.extend(inner(&line.points).iter().map(|p| (bits(*p), number)));
@@ -139,7 +168,7 @@ impl Around {
                 lines.entry(bits(*p)).or_insert(number);
             }
         }
-        Ok(Self { map, lines })
+        Ok(Self { map, beside, lines })
     }
 
     /// The number of the line that a part of it belongs to.
@@ -155,6 +184,8 @@ fn inner(points: &[DVec2]) -> &[DVec2] {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     #[test]
@@ -173,9 +204,11 @@ mod tests {
             spots: vec![DVec3::new(6.0, 0.1, 12.3), DVec3::new(0.0, 0.0, 1.0)],
             ..ContourMap::default()
         };
-        let (bytes, vertices) = encode(&map, &boxes(&map), &window);
+        let part = around(&map, &boxes(&map), &window);
+        let bytes = encode(&part, &Beside::default());
         let around = Around::decode(&bytes, Path::new("x")).unwrap();
-        assert_eq!((around.map.contours.len(), vertices), (1, runs[0].len()));
+        assert_eq!(around.map, part.0);
+        assert_eq!(around.map.contours.len(), 1);
         assert_eq!(around.map.contours[0], Contour { points: runs[0].clone(), ..map.contours[1].clone() });
         assert_eq!(around.map.spots, map.spots[..1]);
         assert_eq!(around.line_of(&runs[0][1..3]), Some(1));

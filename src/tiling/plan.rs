@@ -3,24 +3,26 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use geo::{BooleanOps, MultiPolygon, Rect};
+use geo::{BooleanOps, BoundingRect, MultiPolygon, Rect};
 use glam::DVec2;
+use rayon::prelude::*;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::base::{ElevationUnit, Grid};
-use tokosen_core::contour::ContourMap;
+use tokosen_core::contour::{ContourMap, Lake};
 use tokosen_core::crs::Reprojection;
 use tokosen_core::spline::bytes_on;
 
+use super::beside::in_window;
 use super::bytes::Out;
 use super::divide::{Block, STEP, divide};
 use super::findings::Stored;
 use super::folder::{Folder, HEIGHTS, INPUT, LINES, RESULT, TILES};
 use super::manifest::{Levels, Manifest, Shared, StoredGround, Task};
-use super::pieces::{Window, boxes, encode};
+use super::pieces::{Window, around, boxes, encode};
 use super::squares::Squares;
 use super::stored;
-use crate::terrain::{Input, Options, Planned};
+use crate::terrain::{Beside, Input, Options, Planned, TileParams, lake_height};
 
 /// Bytes of memory of a task per vertex of contours in its window.
 const BYTES_PER_VERTEX: f64 = 700.0;
@@ -75,7 +77,7 @@ pub fn plan(
         return Err(Error::Parameter("a plan needs cells of a height map, or levels of new contours, or both".into()));
     }
     Folder::make(folder)?;
-    let planned = input.plan(options, progress)?;
+    let (planned, mut beside) = input.plan(options, progress)?;
     step(progress, "cutting into tiles", || {
         let shared = Shared {
             unit: params.unit,
@@ -86,6 +88,10 @@ pub fn plan(
             whole: planned.whole.clone(),
             ground: StoredGround::from(&planned.ground),
             cells: planned.cells,
+            sea: options.sea,
+            coast: planned.coast.clone(),
+            stream_tolerance: options.stream_tolerance,
+            cliff_reach: planned.cliff_reach,
             working_crs: input.reprojection.working_crs().cloned(),
         };
         let crs = input.reprojection.input_crs().cloned();
@@ -95,7 +101,9 @@ pub fn plan(
             let lines = stored::write(&folder.join(LINES), 0, &all_lines(&input.map, &input.reprojection))?;
             manifest.lines = Some(format!("{lines:016x}"));
         }
-        manifest.tasks = tasks(&input.map, &planned, params, folder)?;
+        let squares = Squares::new(&input.map);
+        give_lake_heights(&mut beside, (&input.map, &squares), (&planned, options))?;
+        manifest.tasks = tasks((&input.map, &beside, &squares), &planned, params, folder)?;
         Folder::store(folder, &manifest)?;
         let removed = remove_others(folder, &manifest)?;
         Ok(Plan { manifest, removed })
@@ -136,11 +144,15 @@ fn all_lines(map: &ContourMap, reprojection: &Reprojection) -> Vec<u8> {
 }
 
 /// Cuts the map into tiles, and writes the input of each.
-fn tasks(map: &ContourMap, planned: &Planned, params: &PlanParams, folder: &Path) -> Result<Vec<Task>> {
-    let squares = Squares::new(map);
+fn tasks(
+    (map, beside, squares): (&ContourMap, &Beside, &Squares),
+    planned: &Planned,
+    params: &PlanParams,
+    folder: &Path,
+) -> Result<Vec<Task>> {
     // Tiles consist of whole cells; without a height map, of whole cells of the working grid.
     let grid = planned.cells.unwrap_or(planned.whole.grid);
-    let size = Size { squares: &squares, grid: &grid, planned, params };
+    let size = Size { squares, grid: &grid, planned, params };
     let all = Block { col: 0, row: 0, cols: grid.cols, rows: grid.rows };
     size.check(&all)?;
     let blocks = divide(all, &|block| size.fits(block));
@@ -157,12 +169,15 @@ fn tasks(map: &ContourMap, planned: &Planned, params: &PlanParams, folder: &Path
         let id = format!("t{:0digits$}", k + 1);
         let [lo, hi] = box_of(&grid, block);
         let window = squares.window(lo, hi);
-        let (bytes, vertices) = encode(map, &boxes, &Window::new(window));
+        let [from, to] = window;
+        let window = Window::new(window);
+        let around = around(map, &boxes, &window);
+        let vertices = around.0.vertex_count();
+        let bytes = encode(&around, &in_window(beside, &window));
         let name = |kind: &str| format!("{TILES}/{id}.{kind}");
         let input = name(INPUT);
         let checksum = stored::write(&folder.join(&input), 0, &bytes)?;
         let heights = planned.cells.is_some().then(|| name(HEIGHTS));
-        let [from, to] = window;
         Ok(Task {
             needs: Vec::new(),
             inputs: vec![input],
@@ -176,6 +191,36 @@ fn tasks(map: &ContourMap, planned: &Planned, params: &PlanParams, folder: &Path
         })
     };
     blocks.iter().enumerate().map(task).collect()
+}
+
+/// Gives heights to the lakes that have none. A tile may see too little of a shore to know it, and two tiles could disagree.
+fn give_lake_heights(
+    beside: &mut Beside,
+    (map, squares): (&ContourMap, &Squares),
+    (planned, options): (&Planned, &Options),
+) -> Result<()> {
+    let boxes = boxes(map);
+    let height = |lake: &Lake| {
+        let Some(rect) = lake.polygon.bounding_rect().filter(|_| lake.height.is_none()) else { return Ok(lake.height) };
+        let [lo, hi] = [rect.min(), rect.max()].map(|c| DVec2::new(c.x, c.y));
+        let window = squares.window(lo, hi);
+        let (near, _) = around(map, &boxes, &Window::new(window));
+        let [from, to] = window;
+        let tile = TileParams {
+            options: options.clone(),
+            planned: planned.clone(),
+            core: [lo.x, lo.y, hi.x, hi.y],
+            window: [from.x, from.y, to.x, to.y],
+            beside: Beside::default(),
+        };
+        lake_height(near, &tile, lake)
+    };
+    let lakes = &mut beside.features.lakes;
+    let heights: Vec<Result<Option<f64>>> = lakes.par_iter().map(height).collect();
+    for (lake, height) in lakes.iter_mut().zip(heights) {
+        lake.height = height?;
+    }
+    Ok(())
 }
 
 /// The box around some cells. At the edge of the grid, it reaches a cell further: all ground lies inside of tiles.

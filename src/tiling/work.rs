@@ -49,15 +49,18 @@ pub fn work(folder: &Folder, task: &Task, memory: Option<u64>, progress: &dyn Pr
         kind: shared.kind,
         resolution: shared.resolution,
         drain: shared.drain,
+        sea: shared.sea,
+        stream_tolerance: shared.stream_tolerance,
         triangles,
         memory,
         ..Options::default()
     };
-    let tile = TileParams { options, planned, core: task.tile, window: task.window };
     let mut result = TileResult::default();
     let mut heights = None;
     if let Some(mut around) = around.filter(|around| !around.map.contours.is_empty()) {
         around.map.crs.clone_from(&shared.working_crs);
+        let beside = std::mem::take(&mut around.beside);
+        let tile = TileParams { options, planned, core: task.tile, window: task.window, beside };
         let map = std::mem::take(&mut around.map);
         let Report { value: surface, findings } = tile_surface(map, &tile, progress)?;
         result.findings = findings;

@@ -82,6 +82,11 @@ fn a_coast_parts_land_from_sea_without_contours_on_the_other_side() {
     // Lines that the map has already do not hurt.
     folder.succeeds("dem all.gpkg --coast coast.gpkg --cell 20 --frame bbox -o c.tif");
     check(&folder, "c.tif");
+    // In tiles.
+    folder.succeeds("plan land.gpkg --coast coast.gpkg --cell 20 --frame bbox --tile-side 500 -o plan");
+    folder.succeeds("work plan");
+    folder.succeeds("join plan --dem tiled.tif");
+    check(&folder, "tiled.tif");
     // New contours.
     folder.succeeds("densify land.gpkg --coast coast.gpkg -i 5 --frame bbox -o l.gpkg");
 }

@@ -149,8 +149,7 @@ fn what_is_no_plan_and_what_tiles_cannot_take_is_refused() {
     let folder = folder_with("fig1f_nested.geojson", "in.geojson");
     for (line, words) in [
         ("plan in.geojson -o plan", "--interval"),
-        ("plan in.geojson -i 2 -o plan --sea 0", "--sea: tiles cannot take it yet"),
-        ("plan in.geojson -i 2 -o plan --streams in.geojson", "--extent"),
+        ("plan in.geojson -i 2 -o plan --tune streams.climb=1", "manifest.json"),
         ("plan in.geojson -i 2 -o plan --strict", "tokosen check"),
         ("plan in.geojson -i -2 -o plan", "more than 0"),
         ("plan in.geojson -i 2 -o plan --tile-side 0", "it must be more than 0"),
@@ -173,7 +172,7 @@ fn what_is_no_plan_and_what_tiles_cannot_take_is_refused() {
     let manifest = folder.path("plan/manifest.json");
     let text = std::fs::read_to_string(&manifest).unwrap();
     for (from, to, words) in [
-        ("\"layout\": 1", "\"layout\": 2", "another version of this program"),
+        ("\"layout\": 2", "\"layout\": 3", "another version of this program"),
         ("\"version\": \"", "\"version\": \"9", "use that version, or make the plan again"),
         ("\"tasks\"", "\"jobs\"", "the manifest is broken"),
         ("\"description\": \"", "\"description\": \"no ", "no manifest"),

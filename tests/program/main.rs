@@ -11,6 +11,7 @@ mod compare;
 mod contour;
 mod coordinates;
 mod countries;
+mod countries_beside;
 mod derive;
 mod districts;
 mod drain;

@@ -13,4 +13,4 @@ mod water;
 
 pub(crate) use prepare::{Prepared, prepare};
 pub use subdivide::{Subdivision, subdivide, subdivide_with_water};
-pub use water::Water;
+pub use water::{SAME_LEVEL, Water};

@@ -135,6 +135,11 @@ impl Prepared {
 }
 
 impl Subdivision {
+    /// The heights of the lakes that the surface has, metres, in the order of the lakes. A lake that was cut into parts comes as often.
+    pub fn lake_heights(&self) -> impl Iterator<Item = f64> {
+        self.constraints.water_bodies.used().map(|body| body.height)
+    }
+
     /// The extent of the map, with the area of the triangles inside the frame.
     pub(crate) fn extent(&self) -> MapExtent<'_> {
         if let Some(spacing) = self.spacing {

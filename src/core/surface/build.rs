@@ -35,7 +35,7 @@ use crate::validate::{Chosen, TrialParams, choose, error_field};
 /// # Errors
 /// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
 /// is out of range, or when the smooth surface needs more memory than it may take. [`Error::StreamsElsewhere`] if most streams
-/// contradict the contours.
+/// contradict the contours, unless the map is a part of a larger one: then this is a finding.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     params.check()?;
     let tuning = &params.tuning;
@@ -228,7 +228,9 @@ fn triangulated(
     let input = std::mem::take(&mut subdivision.input);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
-    if let Some(elsewhere) = of_lines.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
+    // A part of a map may have few streams, and these may be bad ones.
+    let of_whole_map = of_lines.iter().filter(|_| params.whole.is_none());
+    if let Some(elsewhere) = of_whole_map.into_iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
         return Err(Error::StreamsElsewhere(elsewhere.message.clone()));
     }
     findings.extend(of_lines);

@@ -1,10 +1,13 @@
 //! Cliffs: lines across which the surface may jump. Contours end at them or run together in them.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::Line;
 
 use super::Input;
+use tokosen_core::base::FeatureId;
 use tokosen_core::base::error::{Finding, FindingKind};
 use tokosen_core::contour::CliffLine;
 use tokosen_core::tuning::CliffTuning;
@@ -54,20 +57,29 @@ impl Input {
         if length > 0.0 { (most - least).element_product() / length } else { 0.0 }
     }
 
-    /// Findings beside cliffs become notes that say so, and so do those about elevations of contours that end at a cliff:
-    /// at its end, the ground on the other side may have any elevation.
+    /// [`explain_by_cliffs`] for all findings.
     pub(in crate::terrain) fn explain_by_cliffs(&mut self) {
-        let Self { features, cliff_reach, at_cliffs, findings, .. } = self;
-        let near = NearCliffs::new(&features.cliffs, *cliff_reach);
-        let ends_there = |f: &Finding| f.features.iter().all(|feature| at_cliffs.contains(feature));
-        let is_explained = |f: &Finding| match f.kind {
-            FindingKind::WrongLabel => !f.features.is_empty() && ends_there(f),
-            kind => EXPLAINED.contains(&kind) && f.place.is_some_and(|p| near.holds(p)),
-        };
-        for finding in findings.iter_mut().filter(|finding| is_explained(finding)) {
-            finding.message = format!("at a cliff: {}", finding.message);
-            finding.kind = FindingKind::AtCliff;
-        }
+        explain_by_cliffs(&mut self.findings, &self.features.cliffs, self.cliff_reach, &self.at_cliffs);
+    }
+}
+
+/// Findings beside cliffs become notes that say so, and so do those about elevations of contours that end at a cliff: at its
+/// end, the ground on the other side may have any elevation. `at_cliffs` are the features of these contours.
+pub(in crate::terrain) fn explain_by_cliffs(
+    findings: &mut [Finding],
+    cliffs: &[CliffLine],
+    reach: f64,
+    at_cliffs: &BTreeSet<FeatureId>,
+) {
+    let near = NearCliffs::new(cliffs, reach);
+    let ends_there = |f: &Finding| f.features.iter().all(|feature| at_cliffs.contains(feature));
+    let is_explained = |f: &Finding| match f.kind {
+        FindingKind::WrongLabel => !f.features.is_empty() && ends_there(f),
+        kind => EXPLAINED.contains(&kind) && f.place.is_some_and(|p| near.holds(p)),
+    };
+    for finding in findings.iter_mut().filter(|finding| is_explained(finding)) {
+        finding.message = format!("at a cliff: {}", finding.message);
+        finding.kind = FindingKind::AtCliff;
     }
 }
 

@@ -65,12 +65,17 @@ impl Input {
         self.map.contours = sound;
     }
 
-    /// Leaves out the findings that only say that ground is missing where it was left out.
+    /// [`drop_expected`] for all findings.
     pub(in crate::terrain) fn drop_expected(&mut self) {
-        // Where parts overlap, a position can be inside of an even number of rings. So each part is asked for itself.
-        let borders: Vec<Border> = self.excluded.iter().map(Border::new).collect();
-        let is_in = |p: DVec2| borders.iter().any(|border| border.contains(p) || border.edge_at(p).is_some());
-        let is_expected = |f: &Finding| EXPECTED.contains(&f.kind) && f.place.is_some_and(is_in);
-        self.findings.retain(|finding| !is_expected(finding));
+        drop_expected(&mut self.findings, &self.excluded);
     }
+}
+
+/// Leaves out the findings that only say that ground is missing where it was left out.
+pub(in crate::terrain) fn drop_expected(findings: &mut Vec<Finding>, excluded: &[MultiPolygon<f64>]) {
+    // Where parts overlap, a position can be inside of an even number of rings. So each part is asked for itself.
+    let borders: Vec<Border> = excluded.iter().map(Border::new).collect();
+    let is_in = |p: DVec2| borders.iter().any(|border| border.contains(p) || border.edge_at(p).is_some());
+    let is_expected = |f: &Finding| EXPECTED.contains(&f.kind) && f.place.is_some_and(is_in);
+    findings.retain(|finding| !is_expected(finding));
 }

@@ -14,6 +14,10 @@ mod files;
 mod part;
 mod surface_params;
 
+pub(super) use cliffs::explain_by_cliffs;
+pub(super) use exclude::drop_expected;
+pub(super) use surface_params::surface_params;
+
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -42,6 +42,11 @@ impl WaterBodies {
         self.water_bodies.is_empty()
     }
 
+    /// Those that the surface has.
+    pub fn used(&self) -> impl Iterator<Item = &WaterBody> {
+        self.water_bodies.iter().filter(|body| body.used)
+    }
+
     /// Heights of the lakes by their numbers.
     pub fn heights(&self) -> Vec<f64> {
         self.water_bodies.iter().map(|body| body.height).collect()

@@ -34,7 +34,7 @@ pub struct Water {
 }
 
 /// The sea level and a contour that differ by no more are the same, metres.
-const SAME_LEVEL: f64 = 1e-6;
+pub const SAME_LEVEL: f64 = 1e-6;
 /// How many levels a message lists.
 const LISTED: usize = 5;
 
