@@ -11,6 +11,7 @@ use tokosen::surface::Triangles;
 use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
+use super::engine::EngineArgs;
 use super::failure::Failure;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
@@ -43,6 +44,8 @@ pub struct DemArgs {
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
     #[command(flatten, next_help_heading = "Output")]
+    engine: EngineArgs,
+    #[command(flatten, next_help_heading = "Output")]
     base: BaseArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: CellsCrsArgs,
@@ -71,26 +74,37 @@ Examples:
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox
   tokosen dem contours.gpkg --cell 10 -o dem.tif -o dem.exr -o dem.asc
+  tokosen dem contours.gpkg --for unreal --size 1009 --frame bbox -o landscape.png
   tokosen dem contours.gpkg --max-zoom 13 -o terrain.pmtiles
   tokosen dem contours.gpkg --max-zoom 13 -o map/terrain.pmtiles --viewer map/index.html";
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let crs = args.to_crs.to_crs.as_ref();
-    args.output.iter().try_for_each(|path| args.height_map.check(path, crs, args.to_unit.unit()))?;
+    let engine = args.engine.wanted(&args.output, args.height_map.grid.cell, &console.flags)?;
+    if engine.is_none() {
+        args.output.iter().try_for_each(|path| args.height_map.check(path, crs, args.to_unit.unit()))?;
+    }
     args.surface.check(&console.flags)?;
     let paths: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
     args.viewer.check(&paths)?;
+    let beside: Vec<PathBuf> = match &engine {
+        Some(_) => args.output.iter().map(|path| path.with_extension("json")).collect(),
+        None => args.output.iter().filter_map(|path| args.height_map.stac_item(path)).collect(),
+    };
     let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
-    let outputs = args.output.iter().chain(&args.viewer.viewer).map(|path| path.as_path().into());
+    let outputs = args.output.iter().chain(&args.viewer.viewer).chain(&beside).map(|path| path.as_path().into());
     let outputs = outputs.chain(args.diagnostics.planned());
     let mut job = Job::start(&args.input, inputs, outputs, Asked::Map(&args.picture), console)?;
     console.plan(["writing"]);
     let diagnostics = args.diagnostics.open()?;
     let viewer = args.viewer.open(&paths, &args.input.map.title())?;
     let attribution = args.viewer.attribution.as_deref();
-    let open = |path: &PathBuf| DemOutput::open(path, &args.height_map, crs, args.to_unit.unit(), attribution);
+    let open = |path: &PathBuf| match &engine {
+        Some(engine) => DemOutput::for_engine(path, engine),
+        None => DemOutput::open(path, &args.height_map, crs, args.to_unit.unit(), attribution),
+    };
     let outputs: Vec<DemOutput> = args.output.iter().map(open).collect::<Result<_, _>>()?;
     // All of them have the same cells.
     let grid = outputs.first().map(|output| &output.grid);

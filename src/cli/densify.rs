@@ -274,12 +274,13 @@ impl DensifyArgs {
 
     /// Checks the paths of all files; `files` and `layers` are those of the contours.
     fn start<'a>(&'a self, files: &[PathBuf], layers: &[&str], console: &'a Console) -> Result<Job<'a>, Failure> {
+        let item = self.dem.as_deref().and_then(|path| self.height_map.stac_item(path));
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
         let outputs = contours.chain(
             [&self.dem, &self.report, &self.viewer.viewer].into_iter().flatten().map(|path| path.as_path().into()),
         );
-        let outputs = outputs.chain(self.diagnostics.planned());
+        let outputs = outputs.chain(self.diagnostics.planned()).chain(item.as_deref().map(PlannedOutput::from));
         let inputs = others.chain(self.surface.files()).chain(self.part.file());
         Job::start(&self.input, inputs, outputs, Asked::Map(&self.picture), console)
     }

@@ -13,6 +13,7 @@ mod dem;
 mod densify;
 mod derive;
 mod diagnostics;
+mod engine;
 mod failure;
 mod features;
 mod flags;

@@ -7,8 +7,8 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::Report;
 use tokosen::crs::Crs;
 use tokosen::io::raster::{
-    DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, reading, write_raster,
-    write_rows, write_shade, write_with_errors,
+    DEM_EXTENSIONS, EngineFiles, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, reading,
+    write_for_engine, write_raster, write_rows, write_shade, write_stac_item, write_with_errors,
 };
 use tokosen::io::tiles::{TerrainTiles, WrittenTerrain, write_terrain_tiles};
 use tokosen::io::{StagedOutput, VectorFormat};
@@ -18,6 +18,7 @@ use tokosen::terrain::HeightMap;
 use tokosen::{GridSpec, Terrain};
 
 use super::console::Console;
+use super::engine::{self, ForEngine};
 use super::failure::Failure;
 use super::terrain_tiles::{self, TerrainTileArgs};
 use super::unit::of_drawing;
@@ -60,6 +61,9 @@ pub struct HeightMapArgs {
     pub png_encoding: Option<PngArg>,
     #[command(flatten)]
     pub cog: CogArgs,
+    /// Also write a STAC item beside a --cog .tif, as .json. STAC asks for the date of the ground: 2016-10-01
+    #[arg(long, value_name = "DATE", value_parser = date, requires = "cog", hide_short_help = true)]
+    pub stac: Option<String>,
     /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second
     /// band (.tif) or channel (.exr) 'standard error' [metres, or the unit of --to-unit], new contours the attributes
     /// err_v, err_h and inferred
@@ -85,7 +89,6 @@ impl CogArgs {
 
     /// Refuses the flag if none of the rasters is a GeoTIFF.
     pub fn check<'a>(&self, rasters: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
-        let is_tiff = |path: &Path| ["tif", "tiff"].contains(&extension(path).as_str());
         if self.cog && !rasters.into_iter().any(is_tiff) {
             return Err(Failure::Usage("--cog applies to .tif, and no output is one".into()));
         }
@@ -103,6 +106,19 @@ pub enum PngArg {
     Terrarium,
     /// Colours of Mapbox Terrain-RGB tiles, steps of 0.1 m, for web maps; no data is transparent
     Mapbox,
+}
+
+/// A date as STAC writes it.
+fn date(text: &str) -> Result<String, String> {
+    let parts: Vec<&str> = text.split('-').collect();
+    let number = |k: usize, digits: usize, most: u32| {
+        parts
+            .get(k)
+            .filter(|part| part.len() == digits)
+            .is_some_and(|part| part.parse().is_ok_and(|n: u32| (1..=most).contains(&n)))
+    };
+    let is_date = parts.len() == 3 && number(0, 4, 9999) && number(1, 2, 12) && number(2, 2, 31);
+    if is_date { Ok(text.to_owned()) } else { Err("give year, month and day: 2016-10-01".into()) }
 }
 
 /// An angle in degrees or, if an s follows, in seconds.
@@ -168,6 +184,11 @@ impl HeightMapArgs {
         RasterParams { png: self.png(), tiff: self.cog.layout(), unit, ..RasterParams::default() }
     }
 
+    /// The file that is written beside a height map, if one is.
+    pub fn stac_item(&self, path: &Path) -> Option<PathBuf> {
+        self.stac.as_ref().filter(|_| is_tiff(path)).map(|_| path.with_extension("json"))
+    }
+
     /// The tiles that a path asks for; none if it is another file. `crs` is the system that the cells are to be in, if it is
     /// named.
     pub fn tiles(&self, path: &Path, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Option<TerrainTiles>, Failure> {
@@ -214,9 +235,11 @@ pub struct DemOutput {
 
 /// How a height map is stored.
 enum DemFormat {
-    Raster(RasterParams),
+    Raster(RasterParams, Option<String>),
     /// Tiles, with the path that was given.
     Tiles(TerrainTiles, PathBuf),
+    /// For a game engine or the like.
+    Engine(ForEngine),
 }
 
 /// A height map that is written, still under its temporary name.
@@ -224,6 +247,8 @@ pub struct WrittenDem {
     pub map: HeightMap,
     /// What is in the tiles, if they are some.
     tiles: Option<WrittenTerrain>,
+    /// What an engine gets.
+    engine: Option<EngineFiles>,
 }
 
 /// Refuses a file whose extension is not that of a vector format; `kinds` names those that are.
@@ -245,6 +270,10 @@ pub fn check_extension(path: &Path, what: &str, known: &[&str]) -> Result<(), Fa
 pub fn open_raster(path: &Path) -> Result<StagedOutput, Failure> {
     check_extension(path, "height maps", &DEM_EXTENSIONS)?;
     Ok(StagedOutput::create(path)?)
+}
+
+fn is_tiff(path: &Path) -> bool {
+    ["tif", "tiff"].contains(&extension(path).as_str())
 }
 
 /// Whether a file is a raster, by its extension.
@@ -292,14 +321,23 @@ impl DemOutput {
             check_extension(path, "heights with --uncertainty", &TWO_BAND_EXTENSIONS)?;
         }
         let staged = open_raster(path)?;
-        Ok(Self { staged, grid: wanted.grid.spec(crs)?, format: DemFormat::Raster(wanted.raster(unit)) })
+        Ok(Self {
+            staged,
+            grid: wanted.grid.spec(crs)?,
+            format: DemFormat::Raster(wanted.raster(unit), wanted.stac.clone()),
+        })
+    }
+
+    /// Opens the file of a height map for a game engine or the like.
+    pub fn for_engine(path: &Path, wanted: &ForEngine) -> Result<Self, Failure> {
+        Ok(Self { staged: StagedOutput::create(path)?, grid: wanted.grid(), format: DemFormat::Engine(wanted.clone()) })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name. The findings are about the base.
     pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Report<WrittenDem>, Failure> {
         let Report { value: map, mut findings } = terrain.height_map(&self.grid, console)?;
         let HeightMap { dem, errors, .. } = &map;
-        let mut tiles = None;
+        let (mut tiles, mut engine) = (None, None);
         let written = match &self.format {
             DemFormat::Tiles(params, path) => {
                 write_terrain_tiles(&self.staged, path, dem, params, console).map(|written| {
@@ -307,13 +345,26 @@ impl DemOutput {
                     tiles = Some(written);
                 })
             }
-            DemFormat::Raster(params) => console.step("writing", || match errors {
-                Some(errors) => write_with_errors(&self.staged.path(), dem, errors, params),
-                None => write_raster(&self.staged.path(), dem, params),
+            DemFormat::Engine(wanted) => console.step("writing", || {
+                let side = wanted.side(dem.grid.cols);
+                engine = Some(write_for_engine(&self.staged.path(), dem, wanted.engine, side)?);
+                Ok(())
+            }),
+            DemFormat::Raster(params, date) => console.step("writing", || {
+                let path = self.staged.path();
+                match errors {
+                    Some(errors) => write_with_errors(&path, dem, errors, params)?,
+                    None => write_raster(&path, dem, params)?,
+                }
+                let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+                match date.as_deref().filter(|_| is_tiff(&path)) {
+                    Some(date) => write_stac_item(&path.with_extension("json"), dem, name, (date, params.unit)),
+                    None => Ok(()),
+                }
             }),
         };
         written.map_err(|e| self.staged.with_final_name(e))?;
-        Ok(Report { value: WrittenDem { map, tiles }, findings })
+        Ok(Report { value: WrittenDem { map, tiles, engine }, findings })
     }
 
     /// Puts the file in its place, and prints what is in it.
@@ -322,9 +373,15 @@ impl DemOutput {
         let dem = &written.map.dem;
         match (&self.format, &written.tiles) {
             (DemFormat::Tiles(params, path), Some(tiles)) => terrain_tiles::describe(path, params, tiles, console),
-            (DemFormat::Raster(params), _) => {
+            (DemFormat::Raster(params, _), _) => {
                 describe(&path, dem, params.unit, console);
                 reading(&path, dem, params).iter().for_each(|line| console.say(&format!("           {line}")));
+            }
+            (DemFormat::Engine(wanted), _) => {
+                let Some(files) = &written.engine else { return Ok(()) };
+                let first = files.names.first().map_or(path.clone(), |name| path.with_file_name(name));
+                describe(&first, dem, ElevationUnit::Metre, console);
+                engine::describe(&path, wanted.engine, files, console);
             }
             (DemFormat::Tiles(..), None) => {}
         }

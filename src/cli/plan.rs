@@ -112,6 +112,7 @@ pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
         Job::start(&args.input, args.surface.files(), std::iter::empty::<&std::path::Path>(), Asked::Nothing, console)?;
     console.plan(["the whole map", "cutting into tiles"]);
     let mut input = job.read(Scope { grid: None, ..Scope::of(&args.surface.frame) })?;
+    args.surface.add_to(&mut input)?;
     let options = args.surface.options(grid.as_ref(), Triangles::Smooth, unit)?;
     let index_every = args.index;
     let levels = Levels { targets, index_every, keep_input: args.keep_input };

@@ -27,6 +27,7 @@ const HEAD: u64 = 1 << 14;
 const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["geojson", "json"], b"\"description\":\"made by tokosen\""),
     (&["json"], b"\"description\": \"run saved by tokosen\""),
+    (&["json"], b"\"description\": \"made by tokosen\""),
     (&["fgb"], b"made by tokosen"),
     (&["dxf"], b"999\nmade by tokosen\n"),
     (&["png"], b"tEXtSoftware\0tokosen"),

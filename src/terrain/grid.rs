@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::outline::Outline;
+use super::samples::Samples;
 use tokosen_core::base::Grid;
 use tokosen_core::base::error::{CrsNeed, Error, Result};
 use tokosen_core::base::memory;
@@ -32,6 +33,16 @@ pub enum GridSpec {
         /// The system.
         crs: Crs,
     },
+    /// Square cells of the working coordinate reference system whose centres are the samples of a height map for a game engine or
+    /// the like. The samples at the edges lie on the box around the frame, or beyond it.
+    Samples {
+        /// How many samples a side may have, in ascending order; any number if empty. The fewest that cover the frame are taken. If
+        /// there are still too few, the cells are those of several such squares side by side, with common samples at the borders.
+        sides: Vec<usize>,
+        /// The largest distance of samples, units of that system; where `sides` are given, samples are so much nearer to each other
+        /// that they fill the longer side of the frame. If `None`, `sides` has one number.
+        cell: Option<f64>,
+    },
     /// These cells.
     Cells {
         /// Size, place and number of the cells.
@@ -44,7 +55,7 @@ pub enum GridSpec {
 }
 
 /// Cells that a height map may have, whatever the memory.
-const MOST_CELLS: f64 = 4e9;
+pub(super) const MOST_CELLS: f64 = 4e9;
 /// Bytes per cell while the height map is computed and written: the height, the triangle, the share of the file.
 const BYTES_PER_CELL: f64 = 12.0;
 /// The same with a base: its heights, and the corrections on all grids.
@@ -61,6 +72,11 @@ impl GridSpec {
             Self::Degrees(size) => ("cell size in degrees", *size),
             Self::CellIn { size, crs } if crs.is_geographic() => ("cell size in degrees", *size),
             Self::CellIn { size, .. } => ("cell size", *size),
+            Self::Samples { sides, cell } => match (sides.as_slice(), *cell) {
+                ([one], None) if *one >= 2 => return Ok(()),
+                (_, Some(size)) => ("distance of samples", size),
+                _ => return Err(Error::Parameter("samples need their distance, or their number on a side".into())),
+            },
             Self::Cells { .. } => return Ok(()),
         };
         if size.is_finite() && size > 0.0 { Ok(()) } else { Err(Error::out_of_range(name, size, "more than 0")) }
@@ -79,6 +95,9 @@ impl GridSpec {
                 let of_drawing = reprojection.plane_of_drawing().zip(reprojection.working_crs());
                 let apart = of_drawing.map(|(crs, working)| Apart::of(crs, working)).transpose()?.flatten();
                 Ok(Cells { size: Size::Square(*size), apart })
+            }
+            Self::Samples { sides, cell } => {
+                Ok(Cells { size: Size::Samples(Samples { sides: sides.clone(), cell: *cell }), apart: None })
             }
             Self::Degrees(size) => {
                 let known = reprojection.input_crs().and_then(Crs::geographic).zip(reprojection.working_crs());
@@ -117,6 +136,8 @@ pub(crate) struct Cells {
 enum Size {
     /// Square, on multiples of their size.
     Square(f64),
+    /// Square, around samples.
+    Samples(Samples),
     /// These.
     Given(Grid),
 }
@@ -126,6 +147,7 @@ impl Size {
     fn on_plane(&self, way: &Transform, place: DVec2) -> Option<f64> {
         let cell = match self {
             Self::Square(size) => DVec2::splat(*size),
+            Self::Samples(samples) => DVec2::splat(samples.cell?),
             Self::Given(grid) => grid.cell,
         };
         let centre = way.inverse(place)?;
@@ -176,9 +198,10 @@ impl Apart {
 impl Cells {
     /// The grid over a frame.
     pub fn grid(&self, frame: &FrameRing) -> Result<Grid> {
-        let cell = match self.size {
-            Size::Given(grid) => return Ok(grid),
-            Size::Square(cell) => cell,
+        let cell = match &self.size {
+            Size::Given(grid) => return Ok(*grid),
+            Size::Samples(samples) => return samples.grid(frame),
+            Size::Square(cell) => *cell,
         };
         let (lo, hi) = match &self.apart {
             None => frame.extent(),
@@ -225,19 +248,21 @@ impl Cells {
                 };
                 Some(match size {
                     Size::Square(cell) => Wanted::Cell(cell * metres),
+                    Size::Samples(samples) => Wanted::Cell(samples.cell? * metres),
                     Size::Given(Grid { corner, cell, cols, rows }) => {
                         Wanted::Grid(Grid { corner: *corner * metres, cell: *cell * metres, cols: *cols, rows: *rows })
                     }
                 })
             }
             (None, Size::Square(cell)) => Some(Wanted::Cell(*cell)),
+            (None, Size::Samples(samples)) => samples.cell.map(Wanted::Cell),
             (None, Size::Given(grid)) => Some(Wanted::Grid(*grid)),
         }
     }
 
     /// Whether the cells have no extent of their own.
     pub fn are_open(&self) -> bool {
-        matches!(self.size, Size::Square(_))
+        !matches!(self.size, Size::Given(_))
     }
 
     /// The heights of a surface at the centres of the cells over some ground.

@@ -16,6 +16,7 @@ mod derive;
 mod districts;
 mod drain;
 mod elevations;
+mod engines;
 mod everyday;
 mod exclude;
 mod existing_outputs;

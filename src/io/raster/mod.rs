@@ -11,6 +11,8 @@
 //! | `.asc` | text (ESRI ASCII grid), lossless | in the file; coordinate reference system in `.prj` |
 //! | `.xyz` | text, a line `x y height` for every cell with data, lossless | in the file, as cell centres; no system |
 //!
+//! [`write_for_engine`] writes height maps for game engines and 3-D programs.
+//!
 //! Sidecar files are written beside the main file, in any directory.
 
 mod asc;
@@ -18,6 +20,7 @@ mod chunks;
 mod cog;
 mod directory;
 mod elevation_tile;
+mod engine;
 mod exr;
 mod geokeys;
 mod geotiff;
@@ -36,6 +39,7 @@ mod png_read;
 mod quantity;
 mod read;
 mod sidecar;
+mod stac;
 mod xyz;
 mod xyz_read;
 mod zstd;
@@ -50,9 +54,11 @@ use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::{ElevationUnit, Grid};
 use tokosen_core::raster::{Dem, RasterRows};
 
+pub use engine::{Engine, EngineFiles, write_for_engine};
 pub use picture::{picture_bytes, write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
 pub use read::{DemFile, DemRows, READABLE_EXTENSIONS, open_dem, read_dem, read_grid, read_standard_errors};
+pub use stac::write_stac_item;
 
 /// The extensions that [`write_dem`] accepts, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];

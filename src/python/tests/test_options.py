@@ -13,7 +13,7 @@ from tokosen import _options
 NO_ARGUMENTS = {
     "help", "output", "preview", "diagnostics", "quiet", "verbose", "overwrite", "threads", "save-run", "labels", "cog",
     "png-encoding", "report", "json", "zooms", "max-zoom", "tile-size", "tile-image", "viewer", "attribution",
-    "paper", "scale", "title", "source", "font",
+    "paper", "scale", "title", "source", "font", "for", "size", "stac",
 }
 # Names that differ: a flag that switches something off is an argument that is true.
 RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}

@@ -13,7 +13,7 @@ from tokosen.verbs import VERBS  # noqa: E402
 LEFT_OUT = {
     "crs", "layer", "extent-crs", "help", "quiet", "verbose", "overwrite", "progress", "json", "threads", "save-run",
     "png-encoding", "zooms", "max-zoom", "tile-size", "tile-image", "viewer", "attribution", "paper", "scale", "title", "source",
-    "font",
+    "font", "for", "size", "stac",
 }
 LEFT_OUT_OF = {
     "densify": {"dem", "cell", "cell-degrees", "like", "cog", "compare", "report"},
