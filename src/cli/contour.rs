@@ -7,6 +7,7 @@ use clap::Args;
 use geo::MultiPolygon;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
+use tokosen::cartography::{Ground, OfInput};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::Scene;
@@ -17,6 +18,7 @@ use tokosen::terrain::read_area_on;
 
 use super::console::Console;
 use super::failure::Failure;
+use super::for_map::{self, ForMapArgs};
 use super::levels::{LevelsArgs, output_layers};
 use super::part::PartArgs;
 use super::picture::{Asked, Drawing, PictureArgs};
@@ -57,6 +59,8 @@ pub struct ContourArgs {
     output: PathBuf,
     #[command(flatten)]
     levels: LevelsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    for_map: ForMapArgs,
     /// Largest horizontal distance between a line and the contour of the height map [units of the height map; default:
     /// half a cell, the smaller side]. At least a thousandth of a cell is used. Beyond about one cell, it has no more effect
     #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
@@ -100,6 +104,7 @@ Examples:
 pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.levels.targets()?;
     let unit = args.levels.to_unit.unit();
+    let map_params = args.for_map.params(&args.output, &targets, unit, args.levels.index)?;
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     args.check(&names, console)?;
@@ -110,7 +115,9 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
 
     console.plan(["reading"]);
     console.plan(args.smooth.map(|_| "smoothing"));
-    console.plan(["tracing", "writing"]);
+    console.plan(["tracing"]);
+    console.plan(map_params.map(|_| "choosing"));
+    console.plan(["writing"]);
     console.plan(picture.as_ref().map(|_| "drawing"));
     let read = console.step("reading", || read_dem(&args.dem))?;
     let (mut dem, mut findings) = (read.value.dem, read.findings);
@@ -129,7 +136,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let reprojection = Reprojection::unmoved(dem.crs.clone());
     let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
     let params = ContourParams {
-        targets,
+        targets: for_map::traced(map_params.as_ref(), &targets),
         unit,
         index_every: args.levels.index,
         tolerance: args.tolerance,
@@ -137,7 +144,11 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         part: part.clone(),
         memory: memory::available(),
     };
-    let found = contours(&dem, &params, console)?;
+    let mut found = contours(&dem, &params, console)?;
+    let count = map_params.and_then(|map| {
+        let ground = || Ground::of_dem(&dem, part.as_ref());
+        for_map::apply(&map, &mut found.layers, OfInput::AsNew, ground, console)
+    });
     // The picture and the labels are those of the part.
     let shown = part.as_ref().map_or(Cow::Borrowed(&dem), |part| Cow::Owned(shown(&dem, part)));
     let [low, high] = shown.corners();
@@ -178,6 +189,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
+        for_map::describe(map_params.as_ref(), count.as_ref(), console);
         if layer.lines.is_empty() {
             let why = why_empty(&found.levels[k], found.heights, unit, part.is_some());
             console.warn(&format!("layer {name} has no line: {why}"));

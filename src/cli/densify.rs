@@ -20,6 +20,7 @@ use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
 use super::flags::Flags;
+use super::for_map::{self, ForMapArgs};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
@@ -54,6 +55,8 @@ pub struct DensifyArgs {
     output: PathBuf,
     #[command(flatten)]
     levels: LevelsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    for_map: ForMapArgs,
     /// Keep all contours of the input also where the interval is coarser than theirs
     #[arg(long, help_heading = "Output", hide_short_help = true)]
     keep_input: bool,
@@ -104,11 +107,15 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     args.check(&console.flags)?;
     let targets = args.levels.targets()?;
     let unit = args.levels.to_unit.unit();
+    let map_params = args.for_map.params(&args.output, &targets, unit, args.levels.index)?;
+    let traced = for_map::traced(map_params.as_ref(), &targets);
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = tiles::files(&args.output, &names)?;
     let mut job = args.start(&files, &names, console)?;
-    console.plan(["slicing", "writing"]);
+    console.plan(["slicing"]);
+    console.plan(map_params.map(|_| "choosing"));
+    console.plan(["writing"]);
     let staged = tiles::open(&args.output)?;
     let viewer = args.viewer.open(&args.maps(), &args.input.map.title())?;
     let attribution = args.viewer.attribution.as_deref();
@@ -129,7 +136,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let params = LayerParams {
-        targets: targets.clone(),
+        targets: traced.clone(),
         unit,
         index_every: args.levels.index,
         simplify: args.simplify,
@@ -142,14 +149,18 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         let layers = terrain.contours_with(params.clone(), console)?;
         Ok((terrain, layers))
     };
-    let linear = if !wants_pits && args.wants_lines_of_input(&input, &targets, unit)? {
+    let linear = if !wants_pits && args.wants_lines_of_input(&input, &traced, unit)? {
         let options = Options { kind: SurfaceKind::Linear, ..options.clone() };
         Some(made(&mut input.clone(), options)?).filter(|(_, layers)| layers.iter().all(is_of_input))
     } else {
         None
     };
     let has_surface = linear.is_none();
-    let (mut terrain, layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
+    let (mut terrain, mut layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
+    let count = map_params.and_then(|params| {
+        let of_input = terrain.of_input(params.kinds.interval, unit, args.keep_input);
+        for_map::apply(&params, &mut layers, of_input, || terrain.map_ground(), console)
+    });
     let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
     let map_tiles = match layers.first() {
         Some(layer) => {
@@ -192,7 +203,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
-        args.explain_coarse(&targets[k], terrain.surface.interval.step, console);
+        for_map::describe(map_params.as_ref(), count.as_ref(), console);
+        args.explain_coarse(&traced[k], terrain.surface.interval.step, console);
     }
     diagnostics.map(|file| file.commit(console)).transpose()?;
     if let (Some(output), Some(map)) = (dem_output, &map) {

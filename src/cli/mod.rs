@@ -18,6 +18,7 @@ mod features;
 mod flags;
 mod flood;
 mod flow;
+mod for_map;
 mod hints;
 mod input;
 mod interrupt;
