@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::error::{Error, Finding};
 use tokosen::base::{ElevationUnit, Units};
+use tokosen::cartography::slope_between;
 use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;
@@ -20,13 +21,13 @@ use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
 use super::flags::Flags;
-use super::for_map::{self, ForMapArgs};
+use super::for_map::{self, ForMapArgs, SCALE_HELP};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
 use super::output::{ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
-use super::picture::{Asked, Drawing, PictureArgs};
+use super::picture::{Asked, Drawing, PictureArgs, scale_of_lines};
 use super::summary;
 use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
 use super::terrain_tiles::ABOUT_TILES;
@@ -45,7 +46,7 @@ use super::viewer::ViewerArgs;
 /// --to-unit. In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it holds no other attributes and
 /// no coordinate reference system.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_arg("scale", |_| scale_of_lines(SCALE_HELP).help_heading("Output")))]
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -107,14 +108,13 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     args.check(&console.flags)?;
     let targets = args.levels.targets()?;
     let unit = args.levels.to_unit.unit();
-    let map_params = args.for_map.params(&args.output, &targets, unit, args.levels.index)?;
-    let traced = for_map::traced(map_params.as_ref(), &targets);
+    let plan = args.for_map.plan(&args.output, &args.levels, &targets, &args.picture)?;
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = tiles::files(&args.output, &names)?;
     let mut job = args.start(&files, &names, console)?;
     console.plan(["slicing"]);
-    console.plan(map_params.map(|_| "choosing"));
+    console.plan(plan.map(|_| "choosing"));
     console.plan(["writing"]);
     let staged = tiles::open(&args.output)?;
     let viewer = args.viewer.open(&args.maps(), &args.input.map.title())?;
@@ -132,6 +132,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
+    let map_params = for_map::settle(plan, || slope_between(&input.map), console);
+    let traced = for_map::traced(map_params.as_ref(), &targets);
     let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
@@ -157,14 +159,16 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     };
     let has_surface = linear.is_none();
     let (mut terrain, mut layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
-    let count = map_params.and_then(|params| {
+    let ground = terrain.map_ground();
+    let count = map_params.map(|params| {
         let of_input = terrain.of_input(params.kinds.interval, unit, args.keep_input);
-        for_map::apply(&params, &mut layers, of_input, || terrain.map_ground(), console)
+        for_map::apply(&params, (&mut layers, names[0]), of_input, &ground, console)
     });
-    let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
+    let height = for_map::label_height(map_params.as_ref(), &ground);
+    let labels = args.levels.labels.place(&layers, height, terrain.surface.frame.extent(), unit)?;
     let map_tiles = match layers.first() {
         Some(layer) => {
-            let lines = (&targets[0], layer);
+            let lines = (&traced[0], layer);
             let way = &input.reprojection;
             tiles::write(&staged, &args.output, (&args.levels, attribution), lines, way, console)?
         }
@@ -203,7 +207,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
-        for_map::describe(map_params.as_ref(), count.as_ref(), console);
+        for_map::describe(map_params.as_ref(), &count.unwrap_or_default(), console);
         args.explain_coarse(&traced[k], terrain.surface.interval.step, console);
     }
     diagnostics.map(|file| file.commit(console)).transpose()?;
@@ -293,7 +297,7 @@ impl DensifyArgs {
         );
         let outputs = outputs.chain(self.diagnostics.planned());
         let inputs = others.chain(self.surface.files()).chain(self.part.file());
-        Job::start(&self.input, inputs, outputs, Asked::Map(&self.picture), console)
+        Job::start(&self.input, inputs, outputs, Asked::MapOfLines(&self.picture), console)
     }
 
     /// Says that contours of the input are left out, if they are.

@@ -4,8 +4,9 @@ use geo::MultiPolygon;
 use glam::DVec2;
 
 use crate::base::Grid;
+use crate::contour::{ContourMap, find_interval};
 use crate::crs::Crs;
-use crate::geometry::rings;
+use crate::geometry::{Bounds, rings};
 use crate::raster::{Dem, GroundScale};
 
 /// What is known of the ground under the lines of a map.
@@ -16,6 +17,29 @@ pub struct Ground {
     /// The border of the known ground: rings that repeat their first point, map units. Contours beyond it are not known, so the
     /// spacing on both sides of a line is taken as the same there.
     pub border: Vec<Vec<DVec2>>,
+}
+
+/// The mean slope of a height map, as the rise in metres for each metre; 0 without two neighbouring heights.
+pub fn mean_slope(dem: &Dem) -> f64 {
+    let (cols, cell) = (dem.grid.cols, dem.grid.cell * Ground::of_dem(dem, None).metres);
+    let of = |k: usize| {
+        let [here, east, south] = [k, k + 1, k + cols].map(|k| dem.values.get(k).copied().unwrap_or(f32::NAN));
+        let slope = DVec2::new(f64::from(east - here) / cell.x, f64::from(south - here) / cell.y).length();
+        (!(k + 1).is_multiple_of(cols) && slope.is_finite()).then_some(slope)
+    };
+    let (sum, count) =
+        (0..dem.values.len()).filter_map(of).fold((0.0, 0.0), |(sum, count), slope| (sum + slope, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// The mean slope of the ground between contours, likewise: their interval over their mean spacing.
+pub fn slope_between(map: &ContourMap) -> f64 {
+    let frame = Bounds::around(&map.contours.iter().flat_map(|c| c.points.iter().copied()).collect::<Vec<_>>());
+    let length: f64 = map.contours.iter().flat_map(|c| c.points.windows(2)).map(|pair| pair[0].distance(pair[1])).sum();
+    let area = (frame.max - frame.min).element_product();
+    let corners = vec![vec![frame.min, frame.max]];
+    let metres = Ground::inside(corners, map.crs.as_ref()).metres.max_element();
+    find_interval(&map.contours).map_or(0.0, |i| i.step) * length / (area * metres).max(f64::MIN_POSITIVE)
 }
 
 impl Ground {

@@ -2,10 +2,11 @@
 
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Line};
-use rstar::{PointDistance, RTree};
+use rstar::{AABB, PointDistance, RTree};
 
 use crate::base::parallel;
 use crate::contour::ContourLine;
+use crate::geometry::{Bounds, Segment, distance};
 
 type Piece = GeomWithData<Line<[f64; 2]>, u32>;
 
@@ -45,12 +46,36 @@ impl Nearest {
 
     /// The nearest contour of the next level below a height, and of the next one above it. None if no contour has such a level.
     pub fn beside(&self, place: DVec2, height: f64) -> [Option<Neighbour>; 2] {
-        let below = self.levels.partition_point(|level| *level < height).checked_sub(1);
-        let above = self.levels.partition_point(|level| *level <= height);
-        [below, Some(above)].map(|k| {
+        self.numbers_beside(height).map(|k| {
             let tree = self.trees.get(k?)?;
             nearest(tree, place)
         })
+    }
+}
+
+impl Nearest {
+    /// For each segment of a line: whether a contour of the level below or above it is closer than a distance, metres.
+    pub fn close(&self, line: &ContourLine, closest: f64, metres: DVec2) -> Vec<bool> {
+        let trees = self.numbers_beside(line.elevation).map(|k| self.trees.get(k?));
+        let is_close = |pair: &[DVec2]| {
+            let own = Segment { a: pair[0] * metres, b: pair[1] * metres };
+            let Bounds { min, max } = own.bounds().grown(closest);
+            let near = AABB::from_corners(min.to_array(), max.to_array());
+            let other = |piece: &Piece| {
+                let Line { from, to } = *piece.geom();
+                Segment { a: from.into(), b: to.into() }
+            };
+            let mut found = trees.iter().flatten().flat_map(|tree| tree.locate_in_envelope_intersecting(&near));
+            found.any(|piece| distance(&own, &other(piece)) < closest)
+        };
+        line.points.windows(2).map(is_close).collect()
+    }
+
+    /// The numbers of the next level below a height, and of the next one above it, in the list of levels.
+    fn numbers_beside(&self, height: f64) -> [Option<usize>; 2] {
+        let below = self.levels.partition_point(|level| *level < height).checked_sub(1);
+        let above = self.levels.partition_point(|level| *level <= height);
+        [below, Some(above)]
     }
 }
 

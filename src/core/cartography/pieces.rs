@@ -4,9 +4,9 @@
 /// break wherever their distance is about that.
 const RELEASE: f64 = 0.8;
 /// Shortest piece, as a share of that distance: 10 mm on the map where it is 15 mm.
-pub const SHORTEST: f64 = 2.0 / 3.0;
+const SHORTEST: f64 = 2.0 / 3.0;
 /// Shortest gap in a line, likewise: 5 mm.
-pub const SHORTEST_GAP: f64 = 1.0 / 3.0;
+const SHORTEST_GAP: f64 = 1.0 / 3.0;
 /// A ring is drawn as a whole if at least this share of its length is needed.
 const WHOLE: f64 = 0.7;
 

@@ -7,9 +7,14 @@ use glam::DVec2;
 use super::ground::Ground;
 use super::nearest::{Edge, Nearest, Neighbour};
 use super::pieces::{Drawn, drawn};
+use super::rules;
 use super::tops::{Ring, tops};
 use crate::base::parallel;
 use crate::contour::{ContourKind, ContourLayer, ContourLine, Source};
+
+/// Supplementary contours keep at least this share of the distance at which they are needed from the others: 0.25 mm on a map where
+/// it is 15 mm.
+const CLOSEST: f64 = rules::CLOSEST / rules::APART;
 
 /// What becomes of contours of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,12 +85,15 @@ pub fn keep_supplementary(layer: &mut ContourLayer, apart: f64, input: OfInput, 
         let tops = tops(&lines, &asked, &around, &nearest, (apart, metres));
         let found = parallel::map_each(&asked, |number| {
             let line = &lines[*number as usize];
+            let close = nearest.close(line, CLOSEST * apart, metres);
             let top = match tops.get(number) {
-                Some(Ring::New) => return Drawn::Whole,
+                Some(Ring::New) if !close.contains(&true) => return Drawn::Whole,
+                Some(Ring::New) | None => None,
                 Some(Ring::Known { width }) => Some(*width),
-                None => None,
             };
-            let spacing = spacing(line, &nearest, &border, metres, top);
+            let mut spacing = spacing(line, &nearest, &border, metres, top);
+            // Lines must not run together either.
+            close.iter().enumerate().filter(|(_, close)| **close).for_each(|(k, _)| spacing[k..=k + 1].fill(0.0));
             drawn(&along(&line.points, metres), &spacing, apart, line.is_closed())
         });
         asked.iter().zip(found).for_each(|(number, found)| chosen[*number as usize] = found);
@@ -126,7 +134,7 @@ fn spacing(line: &ContourLine, nearest: &Nearest, border: &Edge, metres: DVec2, 
 }
 
 /// The distance of each vertex from the first one along the line, metres.
-fn along(points: &[DVec2], metres: DVec2) -> Vec<f64> {
+pub(super) fn along(points: &[DVec2], metres: DVec2) -> Vec<f64> {
     let mut sum = 0.0;
     let further = points.windows(2).map(|pair| {
         sum += ((pair[1] - pair[0]) * metres).length();
@@ -136,7 +144,7 @@ fn along(points: &[DVec2], metres: DVec2) -> Vec<f64> {
 }
 
 /// The drawn pieces of a line.
-fn cut(line: ContourLine, drawn: Drawn) -> Vec<ContourLine> {
+pub(super) fn cut(line: ContourLine, drawn: Drawn) -> Vec<ContourLine> {
     let pieces = match drawn {
         Drawn::Whole => return vec![line],
         Drawn::Pieces(pieces) => pieces,

@@ -3,7 +3,7 @@
 use tiny_skia::{Mask, Pixmap};
 
 use super::break_lines::Chosen;
-use super::plan::{Class, Plan, drawn_as, is_inferred, is_supplementary};
+use super::plan::{Class, Plan, drawn_as, is_inferred};
 use super::stroke::{break_line_style, dashed, path, stroke};
 use tokosen_core::base::Grid;
 use tokosen_core::contour::{ContourLine, Source};
@@ -19,9 +19,9 @@ pub(super) fn draw(
     break_lines: &Chosen,
     mask: Option<&Mask>,
 ) {
-    if let Some(style) = plan.supplementary {
-        let lines = contours.iter().filter(|line| is_supplementary(line));
-        stroke(map, path(grid, lines.map(|c| c.points.iter().copied())), style, mask);
+    for (kind, style) in &plan.supplementary {
+        let lines = contours.iter().filter(|line| line.kind == Some(*kind));
+        stroke(map, path(grid, lines.map(|c| c.points.iter().copied())), *style, mask);
     }
     for source in [Source::Interpolated, Source::Input] {
         let Some(class) = plan.class(source) else { continue };

@@ -38,8 +38,9 @@ const SAME_LEVEL: f64 = 1e-6;
 /// Every so many drawn levels is an index contour, where the contours' own marks do not serve.
 const INDEX_EVERY: u32 = 5;
 
-/// Supplementary contours are thin and dashed, as on printed maps.
-const SUPPLEMENTARY_STYLE: Style = Style { color: INPUT, width: 0.8, alpha: 0.85, dashes: Some([7.0, 3.0]) };
+/// Supplementary contours are thin and dashed, as on printed maps; those at a quarter of the interval have shorter dashes.
+const SUPPLEMENTARY: Style = Style { color: INPUT, width: 0.8, alpha: 0.85, dashes: Some([7.0, 3.0]) };
+const QUARTER: Style = Style { dashes: Some([2.5, 2.5]), ..SUPPLEMENTARY };
 
 /// What is drawn of one source of contours.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,14 +76,14 @@ pub(crate) struct Plan {
     pub index_interval: Option<f64>,
     /// Number of levels of index contours that are drawn.
     pub index_levels: usize,
-    /// How supplementary contours are drawn, if there are any. They lie only where there is room.
-    pub supplementary: Option<Style>,
+    /// How supplementary contours are drawn, those that there are. They lie only where there is room.
+    pub supplementary: Vec<(ContourKind, Style)>,
     /// Whether the contours are those of a height map.
     pub of_height_map: bool,
 }
 
 /// Whether a line is a supplementary contour.
-pub(crate) fn is_supplementary(line: &ContourLine) -> bool {
+fn is_supplementary(line: &ContourLine) -> bool {
     line.kind.is_some_and(ContourKind::is_supplementary)
 }
 
@@ -157,7 +158,9 @@ pub(crate) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
         Class { larger, ..Class::new(all, every, [style, index_style], crowd, &own, room) }
     });
     let of_height_map = contours.iter().any(|line| line.source == Source::HeightMap);
-    let supplementary = contours.iter().any(is_supplementary).then_some(SUPPLEMENTARY_STYLE);
+    let kinds = [(ContourKind::Supplementary, SUPPLEMENTARY), (ContourKind::SupplementaryQuarter, QUARTER)];
+    let has = |kind: ContourKind| contours.iter().any(|line| line.kind == Some(kind));
+    let supplementary = kinds.into_iter().filter(|(kind, _)| has(*kind)).collect();
     let (index, index_interval, index_levels) = (Index::Marked, None, 0);
     let plan = Plan { input, interpolated, index, index_interval, index_levels, supplementary, of_height_map };
     plan.with_index(contours)
