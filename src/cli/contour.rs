@@ -136,7 +136,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
     let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
-    let map_params = for_map::settle(plan, || mean_slope(&dem), console);
+    let map_params = for_map::settle(plan, args.levels.base_level, || mean_slope(&dem), console);
     let params = ContourParams {
         targets: for_map::traced(map_params.as_ref(), &targets),
         unit,
@@ -149,7 +149,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let mut found = contours(&dem, &params, console)?;
     let ground = Ground::of_dem(&dem, part.as_ref());
     let count =
-        map_params.map(|map| for_map::apply(&map, (&mut found.layers, names[0]), OfInput::AsNew, &ground, console));
+        map_params.map(|map| for_map::apply(&map, (&mut found.layers[..], names[0]), OfInput::AsNew, &ground, console));
     // The picture and the labels are those of the part.
     let shown = part.as_ref().map_or(Cow::Borrowed(&dem), |part| Cow::Owned(shown(&dem, part)));
     let [low, high] = shown.corners();

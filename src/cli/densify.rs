@@ -132,7 +132,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
-    let map_params = for_map::settle(plan, || slope_between(&input.map), console);
+    let map_params = for_map::settle(plan, args.levels.base_level, || slope_between(&input.map), console);
     let traced = for_map::traced(map_params.as_ref(), &targets);
     let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let options =
@@ -162,7 +162,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let ground = terrain.map_ground();
     let count = map_params.map(|params| {
         let of_input = terrain.of_input(params.kinds.interval, unit, args.keep_input);
-        for_map::apply(&params, (&mut layers, names[0]), of_input, &ground, console)
+        for_map::apply(&params, (&mut layers[..], names[0]), of_input, &ground, console)
     });
     let height = for_map::label_height(map_params.as_ref(), &ground);
     let labels = args.levels.labels.place(&layers, height, terrain.surface.frame.extent(), unit)?;

@@ -65,15 +65,16 @@ impl ForMapArgs {
     }
 }
 
-/// Settles a plan, and says which interval was chosen.
-pub fn settle(plan: Option<MapPlan>, slope: impl FnOnce() -> f64, console: &Console) -> Option<MapParams> {
+/// Settles a plan, and says which interval was chosen. Its levels count from a base.
+pub fn settle(plan: Option<MapPlan>, base: f64, slope: impl FnOnce() -> f64, console: &Console) -> Option<MapParams> {
     let plan = plan?;
     let mut mean = f64::NAN;
-    let params = plan.settle(|| {
+    let mut params = plan.settle(|| {
         mean = slope();
         mean
     });
     if plan.is_open() {
+        params.kinds.interval.base = base;
         let unit = params.kinds.unit;
         let interval = Units::all(unit).height(unit.metres(params.kinds.interval.step));
         console.say(&format!("interval   {interval}: the mean slope is {:.0} degrees", mean.atan().to_degrees()));

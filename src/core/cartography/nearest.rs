@@ -51,9 +51,7 @@ impl Nearest {
             nearest(tree, place)
         })
     }
-}
 
-impl Nearest {
     /// For each segment of a line: whether a contour of the level below or above it is closer than a distance, metres.
     pub fn close(&self, line: &ContourLine, closest: f64, metres: DVec2) -> Vec<bool> {
         let trees = self.numbers_beside(line.elevation).map(|k| self.trees.get(k?));

@@ -21,7 +21,8 @@ pub(super) enum Drawn {
 }
 
 /// The pieces of a line that are drawn. `along` is the distance of each vertex from the first one, `spacing` how far the contours
-/// beside it are apart there. It is needed from a spacing of `apart` on. A ring repeats its first vertex.
+/// beside it are apart there, 0 where it must not be drawn. It is needed from a spacing of `apart` on. A ring repeats its first
+/// vertex.
 pub(super) fn drawn(along: &[f64], spacing: &[f64], apart: f64, is_ring: bool) -> Drawn {
     let last = along.len() - 1;
     let is_close = |v: usize| spacing[v] < RELEASE * apart;
@@ -36,6 +37,7 @@ pub(super) fn drawn(along: &[f64], spacing: &[f64], apart: f64, is_ring: bool) -
         let turns = if is_ring { (start + k) / last } else { 0 };
         along[vertex(k)] + turns as f64 * length
     };
+    let is_free = |a: usize, b: usize| (a..=b).all(|k| spacing[vertex(k)] > 0.0);
     let mut pieces: Vec<[usize; 2]> = Vec::new();
     let mut from = None;
     for k in 0..=last {
@@ -51,17 +53,20 @@ pub(super) fn drawn(along: &[f64], spacing: &[f64], apart: f64, is_ring: bool) -
     pieces.extend(from.map(|first| [first, last]));
     pieces.retain(|[a, b]| (*a..=*b).any(|k| spacing[vertex(k)] >= apart));
     pieces.dedup_by(|next, piece| {
-        let is_short = at(next[0]) - at(piece[1]) < SHORTEST_GAP * apart;
+        let is_short = at(next[0]) - at(piece[1]) < SHORTEST_GAP * apart && is_free(piece[1], next[0]);
         piece[1] = if is_short { next[1] } else { piece[1] };
         is_short
     });
     if is_ring {
-        return around(pieces, at, [start, last], apart);
+        return around(pieces, at, is_free, [start, last], apart);
     }
-    if let Some(first) = pieces.first_mut().filter(|first| at(first[0]) < SHORTEST_GAP * apart) {
+    if let Some(first) = pieces.first_mut().filter(|first| at(first[0]) < SHORTEST_GAP * apart && is_free(0, first[0]))
+    {
         first[0] = 0;
     }
-    if let Some(end) = pieces.last_mut().filter(|end| length - at(end[1]) < SHORTEST_GAP * apart) {
+    if let Some(end) =
+        pieces.last_mut().filter(|end| length - at(end[1]) < SHORTEST_GAP * apart && is_free(end[1], last))
+    {
         end[1] = last;
     }
     pieces.retain(|[a, b]| at(*b) - at(*a) >= SHORTEST * apart);
@@ -72,11 +77,17 @@ pub(super) fn drawn(along: &[f64], spacing: &[f64], apart: f64, is_ring: bool) -
 }
 
 /// The pieces of a ring, counted from the vertex `start`: those at its two ends may be one.
-fn around(mut pieces: Vec<[usize; 2]>, at: impl Fn(usize) -> f64, [start, count]: [usize; 2], apart: f64) -> Drawn {
+fn around(
+    mut pieces: Vec<[usize; 2]>,
+    at: impl Fn(usize) -> f64,
+    is_free: impl Fn(usize, usize) -> bool,
+    [start, count]: [usize; 2],
+    apart: f64,
+) -> Drawn {
     let length = at(count) - at(0);
     if let (Some(first), Some(end)) = (pieces.first().copied(), pieces.last().copied()) {
         let gap = at(first[0]) + length - at(end[1]);
-        if pieces.len() > 1 && gap < SHORTEST_GAP * apart {
+        if pieces.len() > 1 && gap < SHORTEST_GAP * apart && is_free(end[1], first[0] + count) {
             pieces.remove(0);
             let joined = pieces.len() - 1;
             pieces[joined][1] = first[1] + count;
@@ -84,7 +95,7 @@ fn around(mut pieces: Vec<[usize; 2]>, at: impl Fn(usize) -> f64, [start, count]
     }
     let of = |[a, b]: &[usize; 2]| at(*b) - at(*a);
     pieces.retain(|piece| of(piece) >= SHORTEST * apart);
-    if pieces.iter().map(of).sum::<f64>() >= WHOLE * length {
+    if pieces.iter().map(of).sum::<f64>() >= WHOLE * length && is_free(0, count) {
         return Drawn::Whole;
     }
     Drawn::Pieces(pieces.into_iter().map(|piece| piece.map(|k| start + k)).collect())
@@ -121,6 +132,8 @@ mod tests {
         assert_eq!(two(2), Drawn::Pieces(vec![[10, 19], [22, 31]]));
         assert_eq!(of(&line(&[(2, 50.0), (10, 100.0), (10, 50.0)]), false), Drawn::Pieces(vec![[0, 11]]), "its end");
         assert_eq!(of(&line(&[(2, 50.0), (10, 100.0), (2, 50.0)]), false), Drawn::Whole);
+        let cut = [(10, 50.0), (10, 100.0), (1, 0.0), (10, 100.0), (10, 50.0)];
+        assert_eq!(of(&line(&cut), false), Drawn::Pieces(vec![[10, 19], [21, 30]]), "it must not be drawn there");
     }
 
     #[test]

@@ -1,7 +1,5 @@
 //! Supplementary contours: lines at half and at a quarter of the interval, where the ground between the other contours needs them.
 
-use std::ops::AddAssign;
-
 use glam::DVec2;
 
 use super::ground::Ground;
@@ -36,15 +34,6 @@ pub struct SupplementaryCount {
     pub all: f64,
     /// Length of all lines that are written, metres.
     pub total: f64,
-}
-
-impl AddAssign for SupplementaryCount {
-    fn add_assign(&mut self, other: Self) {
-        self.pieces = [self.pieces[0] + other.pieces[0], self.pieces[1] + other.pieces[1]];
-        self.drawn += other.drawn;
-        self.all += other.all;
-        self.total += other.total;
-    }
 }
 
 /// Keeps the supplementary contours of a layer only where the ground needs them. The layer has the contours at all its levels, as

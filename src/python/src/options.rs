@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
-use tokosen::cartography::{MapPlan, MapRequest, Steep};
+use tokosen::cartography::{MapParams, MapPlan, MapRequest, Steep};
 use tokosen::contour::Interval;
 use tokosen::contour::Target;
 use tokosen::drain::Drain;
@@ -227,6 +227,15 @@ pub fn map_plan(
     let steep = if thin { Steep::Thin } else { Steep::Keep };
     let request = MapRequest { targets, unit, index_every, supplementary, spacing, scale, steep };
     request.plan().map_err(|error| exception(py, &error))
+}
+
+/// The parameters of a map. If its scale chooses the interval, the levels count from a base.
+pub fn settled(plan: Option<MapPlan>, base: f64, slope: impl FnOnce() -> f64) -> Option<MapParams> {
+    let mut params = plan?.settle(slope);
+    if plan?.is_open() {
+        params.kinds.interval.base = base;
+    }
+    Some(params)
 }
 
 /// The exception for a word that is none of those known.

@@ -26,7 +26,7 @@ use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
 use crate::model::Model;
-use crate::options::{Asked, Cells, Given, map_plan, targets};
+use crate::options::{Asked, Cells, Given, map_plan, settled, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::unit::unit;
@@ -156,7 +156,7 @@ impl Terrain {
         let to_crs = crs(py, to_crs)?;
         let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);
         let plan = map_plan(py, asked, targets.clone(), unit, index)?;
-        let map = plan.map(|plan| plan.settle(|| slope_between(&self.terrain.surface.map)));
+        let map = settled(plan, base, || slope_between(&self.terrain.surface.map));
         let targets = map.map_or(targets, |map| vec![map.kinds.levels()]);
         let params = LayerParams { targets, unit, index_every: index, simplify, keep_input, memory: None };
         work(py, progress, |progress| {

@@ -24,7 +24,7 @@ use crate::error::parameter;
 use crate::flow::{self, Water};
 use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
-use crate::options::{Asked, Given, map_plan, targets};
+use crate::options::{Asked, Given, map_plan, settled, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::terrain::{Warned, one, warned, with_labels};
@@ -190,7 +190,7 @@ pub fn contour(
         let back = Reprojection::unmoved(dem.crs.clone()).from_working(to_crs.as_ref())?.with_heights_in(unit);
         let dem = ground.of(dem, &mut params)?;
         let [low, high] = params.part.as_ref().map_or_else(|| dem.corners(), |part| dem.around(part).corners());
-        let map = plan.map(|plan| plan.settle(|| mean_slope(&dem)));
+        let map = settled(plan, base, || mean_slope(&dem));
         if let Some(map) = map {
             params.targets = vec![map.kinds.levels()];
         }
