@@ -7,6 +7,7 @@ use clap::Args;
 use geo::MultiPolygon;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
+use tokosen::cartography::{Ground, OfInput, mean_slope};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::Scene;
@@ -17,9 +18,10 @@ use tokosen::terrain::read_area_on;
 
 use super::console::Console;
 use super::failure::Failure;
+use super::for_map::{self, ForMapArgs, SCALE_HELP};
 use super::levels::{LevelsArgs, output_layers};
 use super::part::PartArgs;
-use super::picture::{Asked, Drawing, PictureArgs};
+use super::picture::{Asked, Drawing, PictureArgs, scale_of_lines};
 use super::source::source;
 use super::unit::in_units;
 use super::viewer::{ViewerArgs, title};
@@ -40,6 +42,7 @@ use super::{memory, plane, summary, tiles};
 #[derive(Debug, Args)]
 #[command(
     after_help = EXAMPLES,
+    mut_arg("scale", |_| scale_of_lines(SCALE_HELP).help_heading("Output")),
     mut_arg("extent", |arg| arg.help(EXTENT_HELP)),
     mut_arg("extent_crs", |arg| arg.help(EXTENT_CRS_HELP)),
     mut_arg("clip", |arg| arg.help(CLIP_HELP)),
@@ -57,6 +60,8 @@ pub struct ContourArgs {
     output: PathBuf,
     #[command(flatten)]
     levels: LevelsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    for_map: ForMapArgs,
     /// Largest horizontal distance between a line and the contour of the height map [units of the height map; default:
     /// half a cell, the smaller side]. At least a thousandth of a cell is used. Beyond about one cell, it has no more effect
     #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
@@ -100,17 +105,20 @@ Examples:
 pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.levels.targets()?;
     let unit = args.levels.to_unit.unit();
+    let plan = args.for_map.plan(&args.output, &args.levels, &targets, &args.picture)?;
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     args.check(&names, console)?;
     let staged = tiles::open(&args.output)?;
     let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
     let attribution = args.viewer.attribution.as_deref();
-    let mut picture = Asked::Map(&args.picture).open(&console.flags)?;
+    let mut picture = Asked::MapOfLines(&args.picture).open(&console.flags)?;
 
     console.plan(["reading"]);
     console.plan(args.smooth.map(|_| "smoothing"));
-    console.plan(["tracing", "writing"]);
+    console.plan(["tracing"]);
+    console.plan(plan.map(|_| "choosing"));
+    console.plan(["writing"]);
     console.plan(picture.as_ref().map(|_| "drawing"));
     let read = console.step("reading", || read_dem(&args.dem))?;
     let (mut dem, mut findings) = (read.value.dem, read.findings);
@@ -128,8 +136,9 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
     let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
+    let map_params = for_map::settle(plan, args.levels.base_level, || mean_slope(&dem), console);
     let params = ContourParams {
-        targets,
+        targets: for_map::traced(map_params.as_ref(), &targets),
         unit,
         index_every: args.levels.index,
         tolerance: args.tolerance,
@@ -137,11 +146,15 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         part: part.clone(),
         memory: memory::available(),
     };
-    let found = contours(&dem, &params, console)?;
+    let mut found = contours(&dem, &params, console)?;
+    let ground = Ground::of_dem(&dem, part.as_ref());
+    let count =
+        map_params.map(|map| for_map::apply(&map, (&mut found.layers[..], names[0]), OfInput::AsNew, &ground, console));
     // The picture and the labels are those of the part.
     let shown = part.as_ref().map_or(Cow::Borrowed(&dem), |part| Cow::Owned(shown(&dem, part)));
     let [low, high] = shown.corners();
-    let labels = args.levels.labels.place(&found.layers, (low, high), unit)?;
+    let height = for_map::label_height(map_params.as_ref(), &ground);
+    let labels = args.levels.labels.place(&found.layers, height, (low, high), unit)?;
     let map_tiles = match found.layers.first() {
         Some(layer) => {
             let lines = (&params.targets[0], layer);
@@ -178,6 +191,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
+        for_map::describe(map_params.as_ref(), &count.unwrap_or_default(), console);
         if layer.lines.is_empty() {
             let why = why_empty(&found.levels[k], found.heights, unit, part.is_some());
             console.warn(&format!("layer {name} has no line: {why}"));

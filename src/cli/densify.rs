@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::error::{Error, Finding};
 use tokosen::base::{ElevationUnit, Units};
+use tokosen::cartography::slope_between;
 use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::FromWorking;
@@ -20,12 +21,13 @@ use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
 use super::flags::Flags;
+use super::for_map::{self, ForMapArgs, SCALE_HELP};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
 use super::output::{ABOUT_HEIGHT_MAP, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
-use super::picture::{Asked, Drawing, PictureArgs};
+use super::picture::{Asked, Drawing, PictureArgs, scale_of_lines};
 use super::summary;
 use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
 use super::terrain_tiles::ABOUT_TILES;
@@ -44,7 +46,7 @@ use super::viewer::ViewerArgs;
 /// --to-unit. In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it holds no other attributes and
 /// no coordinate reference system.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_arg("scale", |_| scale_of_lines(SCALE_HELP).help_heading("Output")))]
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -54,6 +56,8 @@ pub struct DensifyArgs {
     output: PathBuf,
     #[command(flatten)]
     levels: LevelsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    for_map: ForMapArgs,
     /// Keep all contours of the input also where the interval is coarser than theirs
     #[arg(long, help_heading = "Output", hide_short_help = true)]
     keep_input: bool,
@@ -104,11 +108,14 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     args.check(&console.flags)?;
     let targets = args.levels.targets()?;
     let unit = args.levels.to_unit.unit();
+    let plan = args.for_map.plan(&args.output, &args.levels, &targets, &args.picture)?;
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = tiles::files(&args.output, &names)?;
     let mut job = args.start(&files, &names, console)?;
-    console.plan(["slicing", "writing"]);
+    console.plan(["slicing"]);
+    console.plan(plan.map(|_| "choosing"));
+    console.plan(["writing"]);
     let staged = tiles::open(&args.output)?;
     let viewer = args.viewer.open(&args.maps(), &args.input.map.title())?;
     let attribution = args.viewer.attribution.as_deref();
@@ -125,11 +132,13 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
+    let map_params = for_map::settle(plan, args.levels.base_level, || slope_between(&input.map), console);
+    let traced = for_map::traced(map_params.as_ref(), &targets);
     let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let params = LayerParams {
-        targets: targets.clone(),
+        targets: traced.clone(),
         unit,
         index_every: args.levels.index,
         simplify: args.simplify,
@@ -142,18 +151,24 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         let layers = terrain.contours_with(params.clone(), console)?;
         Ok((terrain, layers))
     };
-    let linear = if !wants_pits && args.wants_lines_of_input(&input, &targets, unit)? {
+    let linear = if !wants_pits && args.wants_lines_of_input(&input, &traced, unit)? {
         let options = Options { kind: SurfaceKind::Linear, ..options.clone() };
         Some(made(&mut input.clone(), options)?).filter(|(_, layers)| layers.iter().all(is_of_input))
     } else {
         None
     };
     let has_surface = linear.is_none();
-    let (mut terrain, layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
-    let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
+    let (mut terrain, mut layers) = linear.map_or_else(|| made(&mut input, options), Ok)?;
+    let ground = terrain.map_ground();
+    let count = map_params.map(|params| {
+        let of_input = terrain.of_input(params.kinds.interval, unit, args.keep_input);
+        for_map::apply(&params, (&mut layers[..], names[0]), of_input, &ground, console)
+    });
+    let height = for_map::label_height(map_params.as_ref(), &ground);
+    let labels = args.levels.labels.place(&layers, height, terrain.surface.frame.extent(), unit)?;
     let map_tiles = match layers.first() {
         Some(layer) => {
-            let lines = (&targets[0], layer);
+            let lines = (&traced[0], layer);
             let way = &input.reprojection;
             tiles::write(&staged, &args.output, (&args.levels, attribution), lines, way, console)?
         }
@@ -192,7 +207,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
-        args.explain_coarse(&targets[k], terrain.surface.interval.step, console);
+        for_map::describe(map_params.as_ref(), &count.unwrap_or_default(), console);
+        args.explain_coarse(&traced[k], terrain.surface.interval.step, console);
     }
     diagnostics.map(|file| file.commit(console)).transpose()?;
     if let (Some(output), Some(map)) = (dem_output, &map) {
@@ -282,7 +298,7 @@ impl DensifyArgs {
         );
         let outputs = outputs.chain(self.diagnostics.planned()).chain(item.as_deref().map(PlannedOutput::from));
         let inputs = others.chain(self.surface.files()).chain(self.part.file());
-        Job::start(&self.input, inputs, outputs, Asked::Map(&self.picture), console)
+        Job::start(&self.input, inputs, outputs, Asked::MapOfLines(&self.picture), console)
     }
 
     /// Says that contours of the input are left out, if they are.

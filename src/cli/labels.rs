@@ -35,15 +35,16 @@ impl LabelArgs {
         }
     }
 
-    /// Places labels on the index contours of each layer. `extent` is the box around the map; elevations are written in
+    /// Places labels on the index contours of each layer. `usual` is their height if none is given, map units. `extent` is the box around the map; elevations are written in
     /// `unit`. `None` if there are to be none.
     pub fn place(
         &self,
         layers: &[ContourLayer],
+        usual: Option<f64>,
         extent: (DVec2, DVec2),
         unit: ElevationUnit,
     ) -> Result<Option<Vec<Vec<Label>>>, Failure> {
-        let placed = self.labels.map(|height| label_layers(layers, height, extent, unit));
+        let placed = self.labels.map(|height| label_layers(layers, height.or(usual), extent, unit));
         placed.transpose().map_err(|error| Failure::Usage(format!("--labels: {error}")))
     }
 }

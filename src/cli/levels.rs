@@ -19,7 +19,7 @@ use super::zooms::ZoomArgs;
 #[command(next_help_heading = "Output")]
 pub struct LevelsArgs {
     /// Interval of the contours [metres, or the unit of --to-unit], or several: 5,2,1
-    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present_any = ["levels", "zooms"])]
+    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present_any = ["levels", "zooms", "scale"])]
     interval: Vec<f64>,
     /// Elevations of the contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
     #[arg(
@@ -32,7 +32,7 @@ pub struct LevelsArgs {
     levels: Vec<f64>,
     /// Levels are this one plus whole multiples of the interval [metres, or the unit of --to-unit]
     #[arg(long, alias = "base", value_name = "LEVEL", default_value_t = 0.0, hide_short_help = true)]
-    base_level: f64,
+    pub base_level: f64,
     /// Every Nth level is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, hide_short_help = true)]
     pub index: u32,
@@ -64,8 +64,11 @@ impl LevelsArgs {
         Ok(intervals.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
     }
 
-    /// The names of all layers: of the contours, each followed by that of its labels if there are any.
+    /// The names of all layers: of the contours, each followed by that of its labels if there are any. Without targets, the
+    /// interval is chosen later, and the one layer does not name it.
     pub fn layer_names(&self, targets: &[Target]) -> Vec<String> {
+        let open = [Target::Levels(Vec::new())];
+        let targets = if targets.is_empty() { &open } else { targets };
         let contours = targets.iter().map(|target| target.layer_name(self.to_unit.unit()));
         if self.labels.labels.is_none() {
             return contours.collect();

@@ -19,6 +19,7 @@ mod features;
 mod flags;
 mod flood;
 mod flow;
+mod for_map;
 mod hints;
 mod input;
 mod interrupt;

@@ -129,6 +129,8 @@ mod tests {
         ("--zooms", "-1:5", Refused),
         ("--max-zoom", "-1", Refused),
         ("--scale", "-5000", Refused),
+        ("--supplementary", "-5,-2.5", Taken),
+        ("--supplementary-spacing", "-100", Taken),
         ("--tile-side", "-1", Refused),
         ("--jobs", "-1", Refused),
     ];
@@ -188,7 +190,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 202;
+    const CASES: usize = 206;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Arg, Args};
 use image::RgbImage;
 use tokosen::base::error::Error;
 use tokosen::draw::Scene;
@@ -27,7 +27,7 @@ pub struct PictureArgs {
     paper: Option<Paper>,
     /// Scale of --preview in .pdf or .svg: 5000 or 1:5000 [default: the largest usual one that fits on the paper]
     #[arg(long, value_name = "1:N", value_parser = scale, requires = "preview", hide_short_help = true)]
-    scale: Option<f64>,
+    pub scale: Option<f64>,
     /// Title of --preview in .pdf or .svg
     #[arg(long, value_name = "TEXT", requires = "preview", hide_short_help = true)]
     title: Option<String>,
@@ -47,6 +47,8 @@ pub enum Asked<'a> {
     Nothing,
     /// A map.
     Map(&'a PictureArgs),
+    /// A map whose lines are written for its scale.
+    MapOfLines(&'a PictureArgs),
     /// A model in space, in this file.
     Model(Option<&'a Path>),
 }
@@ -56,7 +58,7 @@ impl<'a> Asked<'a> {
     pub fn file(self) -> Option<&'a Path> {
         match self {
             Self::Nothing => None,
-            Self::Map(args) => args.preview.as_deref(),
+            Self::Map(args) | Self::MapOfLines(args) => args.preview.as_deref(),
             Self::Model(path) => path,
         }
     }
@@ -64,7 +66,7 @@ impl<'a> Asked<'a> {
     /// The file that is read.
     pub fn font(self) -> Option<&'a Path> {
         match self {
-            Self::Map(args) => args.font.as_deref(),
+            Self::Map(args) | Self::MapOfLines(args) => args.font.as_deref(),
             Self::Nothing | Self::Model(_) => None,
         }
     }
@@ -72,8 +74,11 @@ impl<'a> Asked<'a> {
     /// Opens the picture, if there is one.
     pub fn open(self, flags: &Flags) -> Result<Option<Picture>, Failure> {
         let Some(path) = self.file() else { return Ok(None) };
-        if let Self::Map(args) = self {
-            return args.open(path, flags).map(Some);
+        match self {
+            Self::Map(args) => return args.open(path, flags, &ABOUT_PAPER).map(Some),
+            // The scale is that of the lines too.
+            Self::MapOfLines(args) => return args.open(path, flags, &ABOUT_PAPER[1..]).map(Some),
+            Self::Nothing | Self::Model(_) => {}
         }
         check_extension(path, "pictures", &["png"])?;
         let staged = StagedOutput::create(path)?;
@@ -96,7 +101,12 @@ pub enum Drawing<'a> {
 }
 
 /// The flags about maps on paper.
-const ABOUT_PAPER: [&str; 5] = ["--paper", "--scale", "--title", "--source", "--font"];
+const ABOUT_PAPER: [&str; 5] = ["--scale", "--paper", "--title", "--source", "--font"];
+
+/// `--scale` where lines are written for it, with or without a picture.
+pub fn scale_of_lines(help: &'static str) -> Arg {
+    Arg::new("scale").long("scale").value_name("1:N").value_parser(scale).help(help)
+}
 
 /// The number of a scale.
 fn scale(text: &str) -> Result<f64, String> {
@@ -108,8 +118,8 @@ fn scale(text: &str) -> Result<f64, String> {
 }
 
 impl PictureArgs {
-    /// Opens the picture in a file.
-    fn open(&self, path: &Path, flags: &Flags) -> Result<Picture, Failure> {
+    /// Opens the picture in a file. `of_paper` are the flags that apply to paper alone.
+    fn open(&self, path: &Path, flags: &Flags, of_paper: &[&'static str]) -> Result<Picture, Failure> {
         check_extension(path, "pictures", &["png", "pdf", "svg"])?;
         let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
         let kind = match () {
@@ -117,7 +127,7 @@ impl PictureArgs {
             () if is("svg") => Kind::Svg,
             () => Kind::Png,
         };
-        if let Some(flag) = flags.first(&ABOUT_PAPER).filter(|_| kind == Kind::Png) {
+        if let Some(flag) = flags.first(of_paper).filter(|_| kind == Kind::Png) {
             return Err(Failure::Usage(format!("{flag} applies to maps on paper: --preview FILE.pdf or FILE.svg")));
         }
         let fonts = if kind == Kind::Png { Fonts::default() } else { self.fonts()? };

@@ -143,6 +143,7 @@ mod tests {
             points: c.points.clone(),
             source: Source::Input,
             index: false,
+            kind: None,
             depression: false,
             expected: None,
         };

@@ -188,7 +188,7 @@ fn crossings(tin: &Tin, levels: &[f64]) -> f64 {
 }
 
 fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> ContourLine {
-    let mut line = ContourLine { elevation, points, source, index, depression: false, expected: None };
+    let mut line = ContourLine { elevation, points, source, index, kind: None, depression: false, expected: None };
     // Higher ground is on the right. So it lies outside a counter-clockwise ring.
     line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
     line

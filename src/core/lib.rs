@@ -6,6 +6,7 @@
 
 pub mod arrays;
 pub mod base;
+pub mod cartography;
 pub mod check;
 pub mod clean;
 pub mod contour;

@@ -198,6 +198,7 @@ fn contour_line(contour: &Contour, interval: &Interval) -> ContourLine {
         points: contour.points.clone(),
         source: Source::Input,
         index: interval.index_of(contour.elevation) % INDEX_EVERY == 0,
+        kind: None,
         depression: false,
         expected: None,
     }

@@ -12,8 +12,8 @@ use super::part::{Part, drop_outside};
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::base::{ElevationUnit, Units};
-use tokosen_core::contour::Target;
-use tokosen_core::contour::{ContourLayer, clip_lines};
+use tokosen_core::cartography::{Ground, OfInput};
+use tokosen_core::contour::{ContourLayer, Interval, Target, clip_lines};
 use tokosen_core::crs::{Crs, FromWorking, Reprojection};
 use tokosen_core::layers::{LayerParams, contour_layers};
 use tokosen_core::mesh::{Mesh, MeshParams, mesh};
@@ -147,6 +147,20 @@ impl Terrain {
             layers.iter_mut().for_each(|layer| clip_lines(&mut layer.lines, area));
         }
         Ok(layers)
+    }
+
+    /// The ground under its contours, for [`for_map`](tokosen_core::cartography::for_map).
+    pub fn map_ground(&self) -> Ground {
+        Ground::within([&self.surface.frame.area].into_iter().chain(&self.part), self.surface.map.crs.as_ref())
+    }
+
+    /// What becomes of its contours on a map with an interval, in `unit`: those of a coarser interval are chosen from them as new
+    /// ones are, unless all of them are to be kept.
+    pub fn of_input(&self, interval: Interval, unit: ElevationUnit, keep_input: bool) -> OfInput {
+        match !keep_input && Target::from(interval).is_coarser(unit, self.surface.interval.step) {
+            true => OfInput::AsNew,
+            false => OfInput::Whole,
+        }
     }
 
     /// The contours of the input alone, as a layer.

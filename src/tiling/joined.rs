@@ -174,7 +174,7 @@ fn layer(
 }
 
 fn new_line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> ContourLine {
-    let mut line = ContourLine { elevation, points, source, index, depression: false, expected: None };
+    let mut line = ContourLine { elevation, points, source, index, kind: None, depression: false, expected: None };
     // Higher ground is on the right. So it lies outside a counter-clockwise ring.
     line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
     line

@@ -55,6 +55,7 @@ fn lines() -> Vec<ContourLine> {
             points,
             source,
             index: i.is_multiple_of(5),
+            kind: None,
             depression: false,
             expected: None,
         }

@@ -37,6 +37,7 @@ fn nasty_lines() -> Vec<ContourLine> {
             points,
             source: Source::Input,
             index: true,
+            kind: None,
             depression: false,
             expected: None,
         },
@@ -45,6 +46,7 @@ fn nasty_lines() -> Vec<ContourLine> {
             points: many,
             source: Source::Input,
             index: false,
+            kind: None,
             depression: false,
             expected: None,
         },
@@ -53,6 +55,7 @@ fn nasty_lines() -> Vec<ContourLine> {
             points: ring,
             source: Source::Interpolated,
             index: false,
+            kind: None,
             depression: true,
             expected: None,
         },
@@ -208,7 +211,15 @@ fn layers_without_lines_and_odd_names_can_be_written() {
 #[test]
 fn lines_that_no_format_can_hold_are_refused() {
     let line = |points: Vec<DVec2>, elevation| {
-        vec![ContourLine { elevation, points, source: Source::Input, index: false, depression: false, expected: None }]
+        vec![ContourLine {
+            elevation,
+            points,
+            source: Source::Input,
+            index: false,
+            kind: None,
+            depression: false,
+            expected: None,
+        }]
     };
     for format in FORMATS {
         let dir = tempfile::tempdir().unwrap();

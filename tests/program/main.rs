@@ -23,6 +23,7 @@ mod existing_outputs;
 mod feet_jobs;
 mod file_troubles;
 mod flow;
+mod for_map;
 mod geopackage_locks;
 mod geoparquet;
 mod guide_pages;

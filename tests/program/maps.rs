@@ -14,6 +14,7 @@ pub fn put(path: &Path, map: &ContourMap, layer: &str) {
         points: contour.points.clone(),
         source: Source::Input,
         index: false,
+        kind: None,
         depression: false,
         expected: None,
     };

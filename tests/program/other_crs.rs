@@ -28,6 +28,7 @@ impl Folder {
             points: (-10..=10).map(|i| middle + 100.0 * DVec2::new(f64::from(k), f64::from(i) * 0.5)).collect(),
             source: Source::Input,
             index: false,
+            kind: None,
             depression: false,
             expected: None,
         };

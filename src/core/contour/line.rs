@@ -25,6 +25,36 @@ pub enum Source {
     HeightMap,
 }
 
+/// The kind of a contour on a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ContourKind {
+    /// Every fifth contour, drawn bold.
+    Index,
+    /// The other contours of the interval.
+    Intermediate,
+    /// A contour at half of the interval.
+    Supplementary,
+    /// A contour at a quarter of the interval.
+    SupplementaryQuarter,
+}
+
+impl ContourKind {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Index => "index",
+            Self::Intermediate => "intermediate",
+            Self::Supplementary => "supplementary",
+            Self::SupplementaryQuarter => "supplementary_quarter",
+        }
+    }
+
+    /// Whether it is drawn only where the ground needs it.
+    pub fn is_supplementary(self) -> bool {
+        matches!(self, Self::Supplementary | Self::SupplementaryQuarter)
+    }
+}
+
 /// A contour line of the output.
 ///
 /// Higher ground lies on the right of the line's direction. A closed line repeats its first point at the end.
@@ -38,6 +68,8 @@ pub struct ContourLine {
     pub source: Source,
     /// Whether it is an index contour, drawn bold on a map.
     pub index: bool,
+    /// Its kind on a map; `None` if it was not asked for.
+    pub kind: Option<ContourKind>,
     /// Whether it closes around lower ground.
     pub depression: bool,
     /// The expected error; `None` if it was not asked for. An input line has no error.

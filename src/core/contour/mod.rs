@@ -31,7 +31,7 @@ pub use excluded::Excluded;
 pub use interval_search::find_interval;
 pub use lake::Lake;
 pub use levels::{Interval, distinct_levels};
-pub use line::{ContourLayer, ContourLine, LineError, Source};
+pub use line::{ContourKind, ContourLayer, ContourLine, LineError, Source};
 pub use map::{Contour, ContourMap};
 pub(crate) use outlying::{outlying_vertices, without_outlying};
 pub use reproject::reproject;

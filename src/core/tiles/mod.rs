@@ -37,6 +37,7 @@ pub use intervals::{ZoomInterval, given_intervals, intervals, is_shown, lowest_z
 pub use mercator::{HALF_WIDTH, TilePlace, WEB_MERCATOR, check_latitudes, check_meridian, tile_size, to_degrees};
 pub use network::{LevelLine, LineOnGrid, Network};
 pub use runs::{BUFFER, Run, runs};
+pub(crate) use thin::kept_vertices;
 
 /// Units of a tile's side.
 pub const EXTENT: u32 = 4096;

@@ -22,11 +22,39 @@ const PER_CELL: f64 = 2.0;
 
 /// Leaves out vertices that are within the tolerance of the line that remains. No segment gets longer than `longest`.
 pub(super) fn thin(network: &mut Network, tolerance: f64, longest: f64) {
-    let places = std::mem::take(&mut network.places);
+    let Thinning { places, is_kept, .. } =
+        left(&network.lines, std::mem::take(&mut network.places), tolerance, longest);
+    let mut kept = Vec::new();
+    for line in &mut network.lines {
+        let first = kept.len() as u32;
+        kept.extend(line.vertices().filter(|v| is_kept[*v as usize]).map(|v| places[v as usize]));
+        (line.first, line.count) = (first, kept.len() as u32 - first);
+    }
+    network.places = kept;
+}
+
+/// The same for lines that are no tiles': for each, which of its vertices stay. A ring repeats its first one.
+pub(crate) fn kept_vertices<'a>(lines: impl Iterator<Item = (&'a [DVec2], bool)>, tolerance: f64) -> Vec<Vec<bool>> {
+    let (mut all, mut places) = (Vec::new(), Vec::new());
+    for (points, is_ring) in lines {
+        let (first, count) = (places.len() as u32, (points.len() - usize::from(is_ring)) as u32);
+        places.extend_from_slice(&points[..count as usize]);
+        all.push(Line { level: 0, first, count, is_ring });
+    }
+    let Thinning { is_kept, .. } = left(&all, places, tolerance, f64::INFINITY);
+    let of = |line: &Line| {
+        let own = line.vertices().map(|v| is_kept[v as usize]);
+        own.chain(line.is_ring.then_some(true)).collect()
+    };
+    all.iter().map(of).collect()
+}
+
+/// Which vertices are left.
+fn left(lines: &[Line], places: Vec<DVec2>, tolerance: f64, longest: f64) -> Thinning {
     let mut left = Thinning { cells: search(&places), is_kept: vec![true; places.len()], places };
-    let mut links = Links::new(&network.lines, left.places.len());
+    let mut links = Links::new(lines, left.places.len());
     for share in PASSES {
-        for line in &network.lines {
+        for line in lines {
             let mut count = line.vertices().filter(|v| left.is_kept[*v as usize]).count();
             for v in line.vertices().filter(|v| *v != line.first) {
                 let is_needed = line.is_ring && count <= 3;
@@ -38,13 +66,7 @@ pub(super) fn thin(network: &mut Network, tolerance: f64, longest: f64) {
             }
         }
     }
-    let mut kept = Vec::new();
-    for line in &mut network.lines {
-        let first = kept.len() as u32;
-        kept.extend(line.vertices().filter(|v| left.is_kept[*v as usize]).map(|v| left.places[v as usize]));
-        (line.first, line.count) = (first, kept.len() as u32 - first);
-    }
-    network.places = kept;
+    left
 }
 
 fn search(places: &[DVec2]) -> Cells {

@@ -76,6 +76,11 @@ pub(crate) fn sheet(shown: &Shown<'_>, page: &Page, fonts: &Fonts) -> Result<She
     let chosen = break_lines::choose(input.break_lines, input.frame, size, input.subject);
     let labels = labels(shown, &plan, &placed, fonts);
     let gaps: Vec<Gap> = labels.iter().map(|label| Gap::of(label, way)).collect();
+    for (kind, style) in &plan.supplementary {
+        let own = input.contours.iter().filter(|line| line.kind == Some(*kind));
+        let lines = way.lines(own.map(|line| line.points.clone()), &gaps);
+        map.push(Shape::Lines { lines, look: Look::of(*style, PIXEL) });
+    }
     for source in [Source::Interpolated, Source::Input] {
         let Some(class) = plan.class(source) else { continue };
         for (is_index, style) in [(false, class.style), (true, class.index_style)] {

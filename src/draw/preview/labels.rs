@@ -113,7 +113,15 @@ mod tests {
             let radius = 1000.0 - 60.0 * f64::from(k);
             let points = (0..=360).map(|i| DVec2::new(5800.0, 8400.0) + radius * DVec2::from_angle(angle(i))).collect();
             let (index, elevation) = (k % 5 == 0, f64::from(k) * 10.0);
-            ContourLine { elevation, points, source: Source::Input, index, depression: false, expected: None }
+            ContourLine {
+                elevation,
+                points,
+                source: Source::Input,
+                index,
+                kind: None,
+                depression: false,
+                expected: None,
+            }
         };
         (0..rings).map(ring).collect()
     }

@@ -11,6 +11,7 @@ use super::stroke::{self, Style, break_line_style};
 use super::text::{Align, Typesetter};
 use crate::scale;
 use tokosen_core::base::Units;
+use tokosen_core::contour::ContourKind;
 use tokosen_core::crs::Crs;
 use tokosen_core::skeleton::BreakKind;
 
@@ -117,6 +118,10 @@ pub(crate) fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Opti
     let drawn = [&plan.input, &plan.interpolated].into_iter().flatten().filter(|c| c.has_index && c.every.is_some());
     let index = plan.index_interval.map(|interval| format!(", {}", units.height(interval))).unwrap_or_default();
     keys.extend(drawn.take(1).map(|class| (Some(class.index_style), format!("Index contours{index}"))));
+    keys.extend(plan.supplementary.iter().map(|(kind, style)| {
+        let quarter = if *kind == ContourKind::SupplementaryQuarter { ", a quarter of the interval" } else { "" };
+        (Some(*style), format!("Supplementary contours{quarter}"))
+    }));
     if let Some(class) = plan.interpolated.as_ref().filter(|class| class.has_inferred) {
         keys.push((Some(stroke::dashed(class.style)), "Inferred: hardly known from the input".to_owned()));
     }
@@ -300,7 +305,15 @@ mod tests {
         (0..=(400.0 / apart) as usize).map(move |i| {
             let points = [0.0, 400.0].map(|x| DVec2::new(x, i as f64 * apart)).to_vec();
             let index = source == Source::Input && i % 5 == 0;
-            ContourLine { elevation: i as f64 * step, points, source, index, depression: false, expected: None }
+            ContourLine {
+                elevation: i as f64 * step,
+                points,
+                source,
+                index,
+                kind: None,
+                depression: false,
+                expected: None,
+            }
         })
     }
 

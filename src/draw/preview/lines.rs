@@ -19,6 +19,10 @@ pub(super) fn draw(
     break_lines: &Chosen,
     mask: Option<&Mask>,
 ) {
+    for (kind, style) in &plan.supplementary {
+        let lines = contours.iter().filter(|line| line.kind == Some(*kind));
+        stroke(map, path(grid, lines.map(|c| c.points.iter().copied())), *style, mask);
+    }
     for source in [Source::Interpolated, Source::Input] {
         let Some(class) = plan.class(source) else { continue };
         let faded = mask.filter(|_| class.fades).map(|mask| faded(mask, class, grid));

@@ -15,7 +15,7 @@ use super::color::{INPUT, INTERPOLATED};
 use super::density::Density;
 use super::stroke::Style;
 use tokosen_core::base::Grid;
-use tokosen_core::contour::{ContourLine, Source};
+use tokosen_core::contour::{ContourKind, ContourLine, Source};
 
 /// Spacing at which the input's contours have room, pixels, and the share of their length that must have it.
 const INPUT_ROOM: (f64, f64) = (3.2, 0.75);
@@ -37,6 +37,10 @@ const MOST_PARTS: u32 = 50;
 const SAME_LEVEL: f64 = 1e-6;
 /// Every so many drawn levels is an index contour, where the contours' own marks do not serve.
 const INDEX_EVERY: u32 = 5;
+
+/// Supplementary contours are thin and dashed, as on printed maps; those at a quarter of the interval have shorter dashes.
+const SUPPLEMENTARY: Style = Style { color: INPUT, width: 0.8, alpha: 0.85, dashes: Some([7.0, 3.0]) };
+const QUARTER: Style = Style { dashes: Some([2.5, 2.5]), ..SUPPLEMENTARY };
 
 /// What is drawn of one source of contours.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,8 +76,15 @@ pub(crate) struct Plan {
     pub index_interval: Option<f64>,
     /// Number of levels of index contours that are drawn.
     pub index_levels: usize,
+    /// How supplementary contours are drawn, those that there are. They lie only where there is room.
+    pub supplementary: Vec<(ContourKind, Style)>,
     /// Whether the contours are those of a height map.
     pub of_height_map: bool,
+}
+
+/// Whether a line is a supplementary contour.
+fn is_supplementary(line: &ContourLine) -> bool {
+    line.kind.is_some_and(ContourKind::is_supplementary)
 }
 
 /// The kind of line that a line is drawn as. Lines of a height map are drawn like those of the input.
@@ -97,7 +108,8 @@ enum Index {
 
 /// Chooses the levels to draw on a map.
 pub(crate) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
-    let of = |source| contours.iter().filter(move |c| drawn_as(c) == source && c.elevation.is_finite());
+    let is_drawn_as = |c: &ContourLine, source| drawn_as(c) == source && !is_supplementary(c);
+    let of = |source| contours.iter().filter(move |c| is_drawn_as(c, source) && c.elevation.is_finite());
     let points = |line: &'_ &ContourLine| !line.points.is_empty();
     let density = |source| Density::of(grid, of(source).filter(points).map(|c| c.points.as_slice()));
     let (input_levels, new_levels) = (levels(of(Source::Input)), levels(of(Source::Interpolated)));
@@ -146,7 +158,11 @@ pub(crate) fn plan(contours: &[ContourLine], grid: &Grid) -> Plan {
         Class { larger, ..Class::new(all, every, [style, index_style], crowd, &own, room) }
     });
     let of_height_map = contours.iter().any(|line| line.source == Source::HeightMap);
-    let plan = Plan { input, interpolated, index: Index::Marked, index_interval: None, index_levels: 0, of_height_map };
+    let kinds = [(ContourKind::Supplementary, SUPPLEMENTARY), (ContourKind::SupplementaryQuarter, QUARTER)];
+    let has = |kind: ContourKind| contours.iter().any(|line| line.kind == Some(kind));
+    let supplementary = kinds.into_iter().filter(|(kind, _)| has(*kind)).collect();
+    let (index, index_interval, index_levels) = (Index::Marked, None, 0);
+    let plan = Plan { input, interpolated, index, index_interval, index_levels, supplementary, of_height_map };
     plan.with_index(contours)
 }
 
@@ -195,7 +211,7 @@ impl Plan {
 
     /// Whether a line is drawn.
     pub fn draws(&self, line: &ContourLine) -> bool {
-        self.class(line.source).is_some_and(|class| class.draws(line.elevation))
+        !is_supplementary(line) && self.class(line.source).is_some_and(|class| class.draws(line.elevation))
     }
 
     /// Whether a line is an index contour of the picture.
@@ -328,7 +344,15 @@ mod tests {
                 let y = i as f64 * apart;
                 let points = vec![DVec2::new(0.0, y), DVec2::new(400.0, y)];
                 let elevation = i as f64 * step;
-                ContourLine { elevation, points, source, index: i % 5 == 0, depression: false, expected: None }
+                ContourLine {
+                    elevation,
+                    points,
+                    source,
+                    index: i % 5 == 0,
+                    kind: None,
+                    depression: false,
+                    expected: None,
+                }
             })
             .collect()
     }

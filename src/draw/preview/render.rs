@@ -225,7 +225,15 @@ mod tests {
 
     fn line(elevation: f64, points: &[(f64, f64)], source: Source) -> ContourLine {
         let points = points.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
-        ContourLine { elevation, points, source, index: elevation == 50.0, depression: false, expected: None }
+        ContourLine {
+            elevation,
+            points,
+            source,
+            index: elevation == 50.0,
+            kind: None,
+            depression: false,
+            expected: None,
+        }
     }
 
     /// Whether a pixel has the purple of ridge lines, mixed with what lies below. Nothing else has it.

@@ -179,7 +179,13 @@ fn layer_name(layer: &Layer<'_>, row: &Row<'_>) -> String {
         Some(Cell::Text(text)) if !text.is_empty() => Some(text.to_uppercase()),
         _ => None,
     });
-    for part in kind.as_deref().into_iter().chain(is_index(layer, row).then_some("INDEX")) {
+    let supplementary = match cell(layer, row, "kind") {
+        Some(Cell::Text(text)) if text.starts_with("supplementary") => Some(text.to_uppercase()),
+        _ => None,
+    };
+    let kinds =
+        kind.as_deref().into_iter().chain(is_index(layer, row).then_some("INDEX")).chain(supplementary.as_deref());
+    for part in kinds {
         name.push('-');
         name.push_str(part);
     }

@@ -84,7 +84,7 @@ pub(super) fn copy(db: &Connection, layer: &str) -> rusqlite::Result<()> {
 fn style(layer: &Layer<'_>) -> Option<String> {
     let has = |name: &str| layer.columns.iter().any(|column| column.name == name);
     match layer.geometry {
-        Geometry::Lines if has("elev") && has("is_index") && has("source") => Some(contours()),
+        Geometry::Lines if has("elev") && has("is_index") && has("source") => Some(contours(has("kind"))),
         Geometry::Points if has("severity") && has("message") => Some(findings()),
         _ => None,
     }
@@ -104,14 +104,24 @@ fn symbol(kind: &str, name: usize, class: &str, properties: &[(&str, &str)]) -> 
     text
 }
 
-fn contours() -> String {
+fn contours(has_kinds: bool) -> String {
     let given = "&quot;source&quot; = 'input'";
-    let rules = [
-        ("index contour, input", format!("&quot;is_index&quot; AND {given}"), INPUT, "0.5"),
-        ("index contour", format!("&quot;is_index&quot; AND NOT {given}"), INTERPOLATED, "0.45"),
-        ("contour, input", format!("NOT &quot;is_index&quot; AND {given}"), INPUT, "0.25"),
-        ("contour", format!("NOT &quot;is_index&quot; AND NOT {given}"), INTERPOLATED, "0.15"),
+    let mut rules = vec![
+        ("index contour, input", format!("&quot;is_index&quot; AND {given}"), INPUT, "0.5", "solid"),
+        ("index contour", format!("&quot;is_index&quot; AND NOT {given}"), INTERPOLATED, "0.45", "solid"),
+        ("contour, input", format!("NOT &quot;is_index&quot; AND {given}"), INPUT, "0.25", "solid"),
+        ("contour", format!("NOT &quot;is_index&quot; AND NOT {given}"), INTERPOLATED, "0.15", "solid"),
     ];
+    if has_kinds {
+        // All lines are those of one map: their kind counts, not where they come from.
+        let of = |kind: &str| format!("&quot;kind&quot; = '{kind}'");
+        rules = vec![
+            ("index contour", of("index"), INPUT, "0.4", "solid"),
+            ("intermediate contour", of("intermediate"), INPUT, "0.15", "solid"),
+            ("supplementary contour", of("supplementary"), INPUT, "0.12", "dash"),
+            ("supplementary contour, quarter", of("supplementary_quarter"), INPUT, "0.12", "dot"),
+        ];
+    }
     let mut text =
         format!("{HEAD}<qgis version=\"3.22\" styleCategories=\"Symbology|Labeling\" labelsEnabled=\"1\">\n");
     text.push_str("<renderer-v2 type=\"RuleRenderer\" symbollevels=\"0\" forceraster=\"0\" enableorderby=\"0\">\n<rules key=\"root\">\n");
@@ -119,12 +129,12 @@ fn contours() -> String {
         let _ = writeln!(text, "<rule key=\"rule{k}\" symbol=\"{k}\" label=\"{label}\" filter=\"{filter}\"/>");
     }
     text.push_str("</rules>\n<symbols>\n");
-    for (k, (_, _, color, width)) in rules.iter().enumerate() {
+    for (k, (_, _, color, width, style)) in rules.iter().enumerate() {
         let properties = [
             ("line_color", *color),
             ("line_width", *width),
             ("line_width_unit", "MM"),
-            ("line_style", "solid"),
+            ("line_style", *style),
             ("capstyle", "round"),
             ("joinstyle", "round"),
         ];

@@ -17,11 +17,12 @@ pub(super) enum Look {
     Area(String),
 }
 
-/// Whether a contour is an index contour.
+/// The kind of a contour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum ContourKind {
     Index,
     Intermediate,
+    Supplementary,
 }
 
 /// Colours as KML has them: opacity, blue, green, red. Contours must be seen on pictures of forests and of snow.
@@ -45,7 +46,11 @@ impl Look {
             (Geometry::Points, _) => Self::Label,
             (Geometry::Areas, _) => Self::Area(kind.unwrap_or_else(|| "area".to_owned())),
             (Geometry::Lines, Some(Cell::Bool(is_index))) => Self::Contour {
-                kind: if *is_index { ContourKind::Index } else { ContourKind::Intermediate },
+                kind: match kind {
+                    _ if *is_index => ContourKind::Index,
+                    Some(kind) if kind.starts_with("supplementary") => ContourKind::Supplementary,
+                    _ => ContourKind::Intermediate,
+                },
                 is_new: !matches!(cell("source"), Some(Cell::Text(source)) if source == "input"),
             },
             (Geometry::Lines, _) => Self::Line(kind.unwrap_or_else(|| "line".to_owned())),
@@ -64,6 +69,10 @@ impl Look {
             Self::Contour { kind: ContourKind::Index, is_new: true } => "index contours".to_owned(),
             Self::Contour { kind: ContourKind::Intermediate, is_new: false } => "contours of the input".to_owned(),
             Self::Contour { kind: ContourKind::Intermediate, is_new: true } => "contours".to_owned(),
+            Self::Contour { kind: ContourKind::Supplementary, is_new: false } => {
+                "supplementary contours of the input".to_owned()
+            }
+            Self::Contour { kind: ContourKind::Supplementary, is_new: true } => "supplementary contours".to_owned(),
             Self::Label => "labels".to_owned(),
             Self::Line(kind) | Self::Area(kind) => escaped(kind),
         }
@@ -76,7 +85,11 @@ impl Look {
             |color: &str, width: f64| format!("<LineStyle><color>{color}</color><width>{width}</width></LineStyle>");
         let style = match self {
             Self::Contour { kind, is_new } => {
-                let width = if *kind == ContourKind::Index { 2.5 } else { 1.2 };
+                let width = match kind {
+                    ContourKind::Index => 2.5,
+                    ContourKind::Intermediate => 1.2,
+                    ContourKind::Supplementary => 0.7,
+                };
                 line(if *is_new { NEW } else { GIVEN }, width)
             }
             Self::Label => format!(

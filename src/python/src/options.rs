@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
+use tokosen::cartography::{MapParams, MapPlan, MapRequest, Steep};
 use tokosen::contour::Interval;
 use tokosen::contour::Target;
 use tokosen::drain::Drain;
@@ -208,6 +209,33 @@ pub fn targets(py: Python<'_>, intervals: &[f64], base: f64, levels: Option<Vec<
         Some(levels) => vec![Target::Levels(levels)],
         None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
     })
+}
+
+/// What is asked of a map: the steps of supplementary contours, their spacing, the number of the scale, and whether lines are left
+/// out on steep slopes.
+pub type Asked = (Vec<f64>, Option<f64>, Option<f64>, bool);
+
+/// The plan for contours of a map, if one is asked for.
+pub fn map_plan(
+    py: Python<'_>,
+    asked: Asked,
+    targets: Vec<Target>,
+    unit: ElevationUnit,
+    index_every: u32,
+) -> PyResult<Option<MapPlan>> {
+    let (supplementary, spacing, scale, thin) = asked;
+    let steep = if thin { Steep::Thin } else { Steep::Keep };
+    let request = MapRequest { targets, unit, index_every, supplementary, spacing, scale, steep };
+    request.plan().map_err(|error| exception(py, &error))
+}
+
+/// The parameters of a map. If its scale chooses the interval, the levels count from a base.
+pub fn settled(plan: Option<MapPlan>, base: f64, slope: impl FnOnce() -> f64) -> Option<MapParams> {
+    let mut params = plan?.settle(slope);
+    if plan?.is_open() {
+        params.kinds.interval.base = base;
+    }
+    Some(params)
 }
 
 /// The exception for a word that is none of those known.

@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Finding, Severity};
 use tokosen::base::progress::Progress;
+use tokosen::cartography::{for_map, slope_between};
 use tokosen::contour::{ContourLayer, distinct_levels};
 use tokosen::crs::FromWorking;
 use tokosen::dem::profile::stations;
@@ -25,7 +26,7 @@ use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
 use crate::model::Model;
-use crate::options::{Cells, Given, targets};
+use crate::options::{Asked, Cells, Given, map_plan, settled, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::unit::unit;
@@ -130,7 +131,7 @@ impl Terrain {
 
     /// Contours at intervals, or at levels: a layer each, and a layer of labels behind each if the height of their text is given (0 for
     /// the usual one).
-    #[pyo3(signature = (intervals, base, levels, to_crs, to_unit, index, simplify, keep_input, labels, progress))]
+    #[pyo3(signature = (intervals, base, levels, to_crs, to_unit, index, simplify, keep_input, labels, asked, progress))]
     #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
     fn contours(
         &self,
@@ -144,6 +145,7 @@ impl Terrain {
         simplify: Option<f64>,
         keep_input: bool,
         labels: Option<f64>,
+        asked: Asked,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Layer>> {
         if let Some(bad) = simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
@@ -153,9 +155,16 @@ impl Terrain {
         let unit = unit(py, to_unit)?;
         let to_crs = crs(py, to_crs)?;
         let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);
+        let plan = map_plan(py, asked, targets.clone(), unit, index)?;
+        let map = settled(plan, base, || slope_between(&self.terrain.surface.map));
+        let targets = map.map_or(targets, |map| vec![map.kinds.levels()]);
         let params = LayerParams { targets, unit, index_every: index, simplify, keep_input, memory: None };
         work(py, progress, |progress| {
-            let layers = self.terrain.contours_with(params, progress)?;
+            let mut layers = self.terrain.contours_with(params, progress)?;
+            if let (Some(map), Some(layer)) = (map, layers.first_mut()) {
+                let of_input = self.terrain.of_input(map.kinds.interval, unit, keep_input);
+                for_map(layer, &map, of_input, &self.terrain.map_ground());
+            }
             with_labels(&layers, labels, self.terrain.surface.frame.extent(), unit, &back)
         })
     }

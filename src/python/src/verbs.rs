@@ -4,6 +4,7 @@
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Severity;
+use tokosen::cartography::{self, OfInput, for_map, mean_slope};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, contours};
 use tokosen::dem::derive::{HeightsFrom, SteepParams, aspect, check as check_dem, shade, slope, steep, steep_note};
@@ -23,7 +24,7 @@ use crate::error::parameter;
 use crate::flow::{self, Water};
 use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
-use crate::options::{Given, targets};
+use crate::options::{Asked, Given, map_plan, settled, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::terrain::{Warned, one, warned, with_labels};
@@ -154,7 +155,7 @@ pub fn skeleton(
 
 /// Contours of a height map, as those of a terrain, and what to warn of. `given` says which part of the height map is wanted.
 #[pyfunction]
-#[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, progress))]
+#[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, asked, progress))]
 #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
 pub fn contour(
     py: Python<'_>,
@@ -169,6 +170,7 @@ pub fn contour(
     tolerance: Option<f64>,
     smooth: Option<f64>,
     labels: Option<f64>,
+    asked: Asked,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
     for (name, value) in [("tolerance", tolerance), ("smooth", smooth)] {
@@ -182,12 +184,20 @@ pub fn contour(
     let dem = dem.dem(py)?;
     let ground = Ground::new(py, &given)?;
     let memory = tokosen::cli::available_memory();
+    let plan = map_plan(py, asked, targets.clone(), unit, index)?;
     let mut params = ContourParams { targets, unit, index_every: index, tolerance, smooth, part: None, memory };
     work(py, progress, move |progress| {
         let back = Reprojection::unmoved(dem.crs.clone()).from_working(to_crs.as_ref())?.with_heights_in(unit);
         let dem = ground.of(dem, &mut params)?;
         let [low, high] = params.part.as_ref().map_or_else(|| dem.corners(), |part| dem.around(part).corners());
-        let found = contours(&dem, &params, progress)?;
+        let map = settled(plan, base, || mean_slope(&dem));
+        if let Some(map) = map {
+            params.targets = vec![map.kinds.levels()];
+        }
+        let mut found = contours(&dem, &params, progress)?;
+        if let (Some(map), Some(layer)) = (map, found.layers.first_mut()) {
+            for_map(layer, &map, OfInput::AsNew, &cartography::Ground::of_dem(&dem, params.part.as_ref()));
+        }
         let raised = tolerance.and_then(|asked| found.raised_from(asked));
         let warned = raised.map(|why| (Severity::Warning.name(), "tolerance-raised", format!("tolerance {why}")));
         Ok((with_labels(&found.layers, labels, (low, high), unit, &back)?, warned.into_iter().collect()))

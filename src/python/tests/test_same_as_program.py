@@ -155,6 +155,29 @@ def test_catchments_streams_and_floods_are_those_of_the_program(program, tmp_pat
     assert (tmp_path / "own.tif").read_bytes() == (tmp_path / "a.tif").read_bytes()
 
 
+def test_contours_for_a_map_are_those_of_the_program(program, tmp_path):
+    truth = SAMPLES / "caryville_20m_truth.tif"
+    cases = {
+        "pieces": (["-i", 20, "--supplementary", "10,5", "--supplementary-spacing", 300], (20,), {"supplementary": [10, 5], "supplementary_spacing": 300}),
+        "thin": (["-i", 20, "--scale", 50_000, "--thin"], (20,), {"scale": 50_000, "thin": True}),
+        "open": (["--scale", 50_000], (), {"scale": 50_000}),
+    }
+    for name, (flags, given, asked) in cases.items():
+        program("contour", truth, *flags, "-o", f"{name}.gpkg", "-q")
+        wanted = pyogrio.read_dataframe(tmp_path / f"{name}.gpkg")
+        found = tokosen.contour(truth, *given, **asked, output="geopandas")
+        assert numbers(found)[0].tobytes() == numbers(wanted)[0].tobytes(), name
+        assert list(found["kind"]) == list(wanted["kind"]), name
+    path = SAMPLES / "fig1f_nested.geojson"
+    program("densify", path, "-i", 5, "--supplementary", 2.5, "--supplementary-spacing", 5, "-o", "d.gpkg", "-q")
+    wanted = pyogrio.read_dataframe(tmp_path / "d.gpkg")
+    found = tokosen.densify(path, 5, supplementary=2.5, supplementary_spacing=5)
+    assert numbers(found)[0].tobytes() == numbers(wanted)[0].tobytes()
+    assert set(found["kind"]) == set(wanted["kind"])
+    with pytest.raises(tokosen.ParameterError, match="2.5 or 2.5,1.25"):
+        tokosen.densify(path, 5, supplementary=2)
+
+
 def test_contours_of_a_part_of_a_height_map_are_those_of_the_program(program, tmp_path):
     truth = SAMPLES / "caryville_20m_truth.tif"
     west, south, east, north = pyogrio.read_info(SAMPLES / REAL[0])["total_bounds"]

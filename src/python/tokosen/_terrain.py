@@ -141,6 +141,10 @@ class Terrain:
         index: int = 5,
         simplify: float | None = None,
         keep_input: bool = False,
+        supplementary: float | Sequence[float] | None = None,
+        supplementary_spacing: float | None = None,
+        scale: float | None = None,
+        thin: bool = False,
         output: Output = None,
         progress: Progress = None,
     ) -> Any:
@@ -151,11 +155,18 @@ class Terrain:
         and its course with fewer vertices (1 % of the mean spacing of the contours); 0 keeps all. The attributes are elev, source
         (input or interpolated), is_index, depression and closed; with `uncertainty` also err_v, err_h and inferred.
 
+        For a map: `supplementary` are half of the interval, or half and a quarter of it, at which contours are drawn where the ground
+        needs them; `supplementary_spacing` is how far apart the others are there, metres. `scale` is the number of the map's scale:
+        all lines are simplified for it, also those of the input, small rings are left out, and it chooses the interval if none is
+        given. With `thin`, intermediate contours are left out on steep slopes. The attribute kind is then index, intermediate,
+        supplementary or supplementary_quarter.
+
         >>> lines = tokosen.Terrain(tokosen.example()).contours(5)
         >>> sorted(set(lines["source"]))
         ['input', 'interpolated']
         """
-        found = self._lines(interval, levels, base_level, to_crs, to_unit, index, simplify, keep_input, None, progress)
+        asked = asked_of_map(supplementary, supplementary_spacing, scale, thin)
+        found = self._lines(interval, levels, base_level, to_crs, to_unit, index, simplify, keep_input, None, asked, progress)
         layers = [shaped(layer, output, self._of_frame) for layer in found]
         return layers if is_several(interval) else layers[0]
 
@@ -181,7 +192,7 @@ class Terrain:
         size = 0.0 if height is None else float(height)
         if height is not None and not size > 0:
             raise _parameter_error(f"height is {height}, it must be more than 0")
-        found = self._lines(interval, None, base_level, to_crs, to_unit, index, None, False, size, progress)
+        found = self._lines(interval, None, base_level, to_crs, to_unit, index, None, False, size, asked_of_map(), progress)
         return shaped(found[1], output, self._of_frame)
 
     def _lines(
@@ -195,14 +206,15 @@ class Terrain:
         simplify: float | None,
         keep_input: bool,
         labels: float | None,
+        asked: tuple[list[float], float | None, float | None, bool],
         progress: Progress,
     ) -> list[_tokosen.Layer]:
-        intervals = intervals_of(interval, levels)
+        intervals = intervals_of(interval, levels, asked)
         unit = to_unit or self._to_unit
         elevations = None if levels is None else [float(level) for level in levels]
         with reporting(progress) as report:
             return self._terrain.contours(
-                intervals, base_level, elevations, crs_text(to_crs), unit, index, simplify, keep_input, labels, report
+                intervals, base_level, elevations, crs_text(to_crs), unit, index, simplify, keep_input, labels, asked, report
             )
 
     def dem(
@@ -368,8 +380,23 @@ class Terrain:
         return page("Terrain", rows, notes[:10] + more, self._terrain.picture())
 
 
-def intervals_of(interval: float | Sequence[float] | None, levels: Sequence[float] | None) -> list[float]:
-    """The intervals as a list. Either they or levels must be given."""
+def asked_of_map(
+    supplementary: float | Sequence[float] | None = None,
+    spacing: float | None = None,
+    scale: float | None = None,
+    thin: bool = False,
+) -> tuple[list[float], float | None, float | None, bool]:
+    """What is asked of a map, as the compiled functions take it."""
+    steps = [] if supplementary is None else [float(s) for s in np.atleast_1d(np.asarray(supplementary, dtype=np.float64))]
+    return steps, spacing, None if scale is None else float(scale), thin
+
+
+def intervals_of(
+    interval: float | Sequence[float] | None, levels: Sequence[float] | None, asked: tuple[Any, ...] = ([], None, None, False)
+) -> list[float]:
+    """The intervals as a list. Either they or levels must be given, or a scale that chooses one."""
+    if interval is None and levels is None and asked[2] is not None:
+        return []
     if (interval is None) == (levels is None):
         raise _parameter_error("give either interval or levels")
     if interval is None:

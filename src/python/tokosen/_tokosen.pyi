@@ -30,6 +30,7 @@ _Report = Callable[[str, float | None], object] | None
 _Warned = list[tuple[str, str, str]]
 _Options = dict[str, Any]
 _Cells = dict[str, Any]
+_Asked = tuple[list[float], float | None, float | None, bool]
 
 @final
 class Source:
@@ -123,6 +124,7 @@ class Terrain:
         simplify: float | None,
         keep_input: bool,
         labels: float | None,
+        asked: _Asked,
         progress: _Report,
     ) -> list[Layer]: ...
     def dem(self, cells: _Cells, progress: _Report) -> Raster: ...
@@ -169,6 +171,7 @@ def contour(
     tolerance: float | None,
     smooth: float | None,
     labels: float | None,
+    asked: _Asked,
     progress: _Report,
 ) -> tuple[list[Layer], _Warned]: ...
 def derive(

@@ -25,7 +25,7 @@ from tokosen._options import (
     options,
 )
 from tokosen._sources import is_frame, places, source, sources
-from tokosen._terrain import Mesh, Terrain, intervals_of, is_several, terrain_for_dem
+from tokosen._terrain import Mesh, Terrain, asked_of_map, intervals_of, is_several, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
 
@@ -40,6 +40,10 @@ def densify(
     index: int = 5,
     simplify: float | None = None,
     keep_input: bool = False,
+    supplementary: float | Sequence[float] | None = None,
+    supplementary_spacing: float | None = None,
+    scale: float | None = None,
+    thin: bool = False,
     uncertainty: bool = False,
     output: Output = None,
     progress: Progress = None,
@@ -55,7 +59,7 @@ def densify(
     >>> lines.name, len(lines)
     ('contours_5m', 7)
     """
-    intervals_of(interval, levels)
+    intervals_of(interval, levels, asked_of_map(supplementary, supplementary_spacing, scale, thin))
     terrain = Terrain(contours, uncertainty=uncertainty, to_unit=to_unit, progress=progress, **given)
     return terrain.contours(
         interval,
@@ -65,6 +69,10 @@ def densify(
         index=index,
         simplify=simplify,
         keep_input=keep_input,
+        supplementary=supplementary,
+        supplementary_spacing=supplementary_spacing,
+        scale=scale,
+        thin=thin,
         output=output,
         progress=progress,
     )
@@ -154,6 +162,10 @@ def contour(
     index: int = 5,
     tolerance: float | None = None,
     smooth: float | None = None,
+    supplementary: float | Sequence[float] | None = None,
+    supplementary_spacing: float | None = None,
+    scale: float | None = None,
+    thin: bool = False,
     output: Output = None,
     progress: Progress = None,
     **given: Unpack[GroundOptions],
@@ -163,12 +175,14 @@ def contour(
     `dem` is a path, a Dem, a DataArray, or (values, transform, crs). `tolerance` is how far lines may be from the bilinear surface
     of the heights, map units (half a cell); at least a thousandth of a cell is used. `smooth` smooths noisy heights first, by this
     distance. `extent` or `clip` is the part of the height map that the lines are cut to; outside of `frame` is no ground.
+    `supplementary`, `supplementary_spacing`, `scale` and `thin` are those of `Terrain.contours`.
 
     >>> hill = tokosen.dem(tokosen.example(), cell=10)
     >>> sorted(set(tokosen.contour(hill, 10)["elev"].tolist()))
     [20.0, 30.0, 40.0]
     """
-    intervals = intervals_of(interval, levels)
+    asked = asked_of_map(supplementary, supplementary_spacing, scale, thin)
+    intervals = intervals_of(interval, levels, asked)
     elevations = None if levels is None else [float(level) for level in levels]
     ground = options(given, GroundOptions)
     with reporting(progress) as report:
@@ -184,6 +198,7 @@ def contour(
             tolerance,
             smooth,
             None,
+            asked,
             report,
         )
     warn_of(warned, stacklevel=3)

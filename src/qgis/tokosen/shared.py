@@ -244,6 +244,28 @@ INDEX = number(
     "--index", "Every Nth level is an index contour", default=5, whole=True, advanced=True, help="0 for no index contours."
 )
 INTERVAL = number("--interval", "Contour interval", proposed=5, unless=["LEVELS"])
+FOR_MAP = [
+    text(
+        "--supplementary",
+        "Steps of supplementary contours: half of the interval, or half and a quarter",
+        advanced=True,
+        help="For instance 2.5 or 2.5,1.25 with an interval of 5. They are drawn only where the ground needs them. The field kind then "
+        "tells the kinds of contours apart, and the style draws them differently.",
+    ),
+    number(
+        "--supplementary-spacing",
+        "Supplementary contours where the others are so far apart, metres",
+        advanced=True,
+        help="If it is empty, 15 mm on a map of the scale, or 37.5 times the interval.",
+    ),
+    number(
+        "--scale",
+        "Scale of the map, 1 :",
+        advanced=True,
+        help="All lines are simplified for it, also those of the input, and rings below 1 mm are left out.",
+    ),
+    yes("--thin", "Leave out intermediate contours on steep slopes at that scale", advanced=True),
+]
 LEVELS = text(
     "--levels", "Elevations instead of an interval", advanced=True, help="Separated by commas, for instance 12.5,13."
 )

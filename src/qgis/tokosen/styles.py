@@ -43,8 +43,10 @@ LANDFORMS = {
 }
 
 
-def line(color, width):
-    return QgsLineSymbol.createSimple({"line_color": color, "line_width": str(width), "capstyle": "round"})
+def line(color, width, style="solid"):
+    return QgsLineSymbol.createSimple(
+        {"line_color": color, "line_width": str(width), "line_style": style, "capstyle": "round"}
+    )
 
 
 def area(color, border="90,90,90", style="solid"):
@@ -54,16 +56,25 @@ def area(color, border="90,90,90", style="solid"):
 
 
 def contours(layer):
-    """Index contours are thicker and have labels; contours of the input are darker than new ones."""
+    """Index contours are thicker and have labels; contours of the input are darker than new ones. Those of a map are drawn by
+    their kind."""
     root = QgsRuleBasedRenderer.Rule(None)
     given = "\"source\" = 'input'"
-    for label, rule, color, width in [
-        ("index contour, input", f'"is_index" AND {given}', INPUT, 0.5),
-        ("index contour", f'"is_index" AND NOT {given}', INTERPOLATED, 0.45),
-        ("contour, input", f'NOT "is_index" AND {given}', INPUT, 0.25),
-        ("contour", f'NOT "is_index" AND NOT {given}', INTERPOLATED, 0.15),
-    ]:
-        root.appendChild(QgsRuleBasedRenderer.Rule(line(color, width), filterExp=rule, label=label))
+    rules = [
+        ("index contour, input", f'"is_index" AND {given}', INPUT, 0.5, "solid"),
+        ("index contour", f'"is_index" AND NOT {given}', INTERPOLATED, 0.45, "solid"),
+        ("contour, input", f'NOT "is_index" AND {given}', INPUT, 0.25, "solid"),
+        ("contour", f'NOT "is_index" AND NOT {given}', INTERPOLATED, 0.15, "solid"),
+    ]
+    if layer.fields().indexOf("kind") >= 0:
+        rules = [
+            ("index contour", "\"kind\" = 'index'", INPUT, 0.4, "solid"),
+            ("intermediate contour", "\"kind\" = 'intermediate'", INPUT, 0.15, "solid"),
+            ("supplementary contour", "\"kind\" = 'supplementary'", INPUT, 0.12, "dash"),
+            ("supplementary contour, quarter", "\"kind\" = 'supplementary_quarter'", INPUT, 0.12, "dot"),
+        ]
+    for label, rule, color, width, style in rules:
+        root.appendChild(QgsRuleBasedRenderer.Rule(line(color, width, style), filterExp=rule, label=label))
     layer.setRenderer(QgsRuleBasedRenderer(root))
 
     labels = QgsRuleBasedLabeling.Rule(None)

@@ -219,8 +219,15 @@ fn layers(params: &ContourParams, wanted: &[Vec<f64>], levels: &[f64], mut trace
 }
 
 fn line(elevation: f64, points: Vec<DVec2>, index: bool) -> ContourLine {
-    let mut line =
-        ContourLine { elevation, points, source: Source::HeightMap, index, depression: false, expected: None };
+    let mut line = ContourLine {
+        elevation,
+        points,
+        source: Source::HeightMap,
+        index,
+        kind: None,
+        depression: false,
+        expected: None,
+    };
     // Higher ground is on the right. So it lies outside a counter-clockwise ring.
     line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
     line

@@ -7,7 +7,7 @@ use crate::contour::Source;
 use crate::draws::draws;
 
 fn line(elevation: f64, points: Vec<DVec2>) -> ContourLine {
-    ContourLine { elevation, points, source: Source::Input, index: true, depression: false, expected: None }
+    ContourLine { elevation, points, source: Source::Input, index: true, kind: None, depression: false, expected: None }
 }
 
 /// A ring, clockwise: higher ground inside.

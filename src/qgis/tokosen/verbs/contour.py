@@ -22,6 +22,7 @@ index contour (is_index), a depression contour (depression) and closed (closed).
         shared.LEVEL_BASE,
         shared.INDEX,
         shared.LABELS,
+        *shared.FOR_MAP,
         distance(
             "--tolerance",
             "Largest distance from the exact contour",

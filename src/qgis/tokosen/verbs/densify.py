@@ -28,6 +28,7 @@ the input, only the lines at its levels are written.
         shared.LEVEL_BASE,
         shared.INDEX,
         shared.LABELS,
+        *shared.FOR_MAP,
         yes("--keep-input", "Keep all contours of the input where the interval is coarser", advanced=True),
         distance(
             "--simplify",
