@@ -8,9 +8,9 @@ use super::grid::GridSpec;
 use super::input::{Input, surface_params};
 use super::options::Options;
 use super::part::{Part, box_area};
-use tokosen_core::base::Grid;
 use tokosen_core::base::error::{Error, FindingKind, Report, Result, Severity};
 use tokosen_core::base::progress::{Progress, step};
+use tokosen_core::base::{Grid, Units};
 use tokosen_core::check::first_causes;
 use tokosen_core::contour::{ContourMap, Lake};
 use tokosen_core::spline::Wanted;
@@ -82,6 +82,8 @@ pub(crate) struct Planned {
     pub coast: Vec<f64>,
     /// How far contours that end beside a cliff end because of it, map units.
     pub cliff_reach: f64,
+    /// The units in which messages speak.
+    pub units: Units,
 }
 
 /// How the surface of a tile is made.
@@ -144,7 +146,7 @@ impl Input {
         let ring = frame_ring(&self.map, &frame);
         let cells = cells.map(|cells| cells.grid(&ring)).transpose()?;
         let (ground, coast) = (Ground::of(&self.map, &frame), self.coast.clone());
-        Ok((Planned { whole, ground, cells, coast, cliff_reach: self.cliff_reach }, beside))
+        Ok((Planned { whole, ground, cells, coast, cliff_reach: self.cliff_reach, units: self.units() }, beside))
     }
 
     /// Refuses what tiles cannot take yet.
@@ -185,6 +187,7 @@ pub(crate) fn tile_surface(map: ContourMap, tile: &TileParams, progress: &dyn Pr
     let Report { value, findings } = build(map, &params, progress)?;
     let mut findings = first_causes(findings);
     beside.explain(&mut findings, planned.cliff_reach);
+    findings.iter_mut().for_each(|finding| finding.message = planned.units.message(&finding.message));
     let bounds = Rect::new((core[0], core[1]), (core[2], core[3]));
     findings.retain(|finding| {
         // It is the window that reaches beyond the map, and nobody asked for it.

@@ -5,7 +5,7 @@ use std::path::Path;
 use geo::{Coord, LineString, MultiPolygon, Polygon};
 use serde::{Deserialize, Serialize};
 use tokosen_core::base::error::{Error, Result};
-use tokosen_core::base::{ElevationUnit, Grid};
+use tokosen_core::base::{ElevationUnit, Grid, Units};
 use tokosen_core::contour::Target;
 use tokosen_core::crs::Crs;
 use tokosen_core::drain::Drain;
@@ -68,6 +68,8 @@ pub(super) struct Shared {
     /// How far a stream is moved to agree with the contours, and how far from a cliff contours end because of it, map units.
     pub stream_tolerance: Option<f64>,
     pub cliff_reach: f64,
+    /// The units in which messages speak.
+    pub units: Units,
     /// The system of the working plane.
     pub working_crs: Option<Crs>,
 }
@@ -166,6 +168,7 @@ impl Shared {
             cells: self.cells,
             coast: self.coast.clone(),
             cliff_reach: self.cliff_reach,
+            units: self.units,
         }
     }
 }

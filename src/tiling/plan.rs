@@ -92,6 +92,7 @@ pub fn plan(
             coast: planned.coast.clone(),
             stream_tolerance: options.stream_tolerance,
             cliff_reach: planned.cliff_reach,
+            units: planned.units,
             working_crs: input.reprojection.working_crs().cloned(),
         };
         let crs = input.reprojection.input_crs().cloned();

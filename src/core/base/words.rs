@@ -8,7 +8,7 @@ use super::ElevationUnit;
 use super::ElevationUnit::{Foot, Metre};
 
 /// The units that sentences use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Units {
     /// The unit of heights.
     pub heights: ElevationUnit,
