@@ -35,7 +35,7 @@ impl Kinds {
             _ => {
                 let (half, quarter) = (step / 2.0, step / 4.0);
                 return Err(Error::Parameter(format!(
-                    "they are at half of the interval, or at half and a quarter: {half} or {half},{quarter} for an interval of \
+                    "supplementary contours are at half of the interval, or at half and a quarter: {half} or {half},{quarter} for an interval of \
                      {step}"
                 )));
             }
