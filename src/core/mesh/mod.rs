@@ -7,14 +7,17 @@
 
 mod cut;
 mod drawing;
+mod light;
 mod validate;
 
 use geo::MultiPolygon;
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::{Crs, LengthUnit};
-use crate::surface::Surface;
+use crate::subdomains::MapExtent;
+use crate::surface::{Surface, heights};
 use crate::tin::Tin;
 
 /// Marks a corner without a vertex yet.
@@ -25,6 +28,35 @@ const UNSET: u32 = u32::MAX;
 pub struct MeshParams {
     /// Height of the flat bottom of a solid, metres. `None` gives an open shell.
     pub base: Option<f64>,
+    /// Few triangles instead of all those of the surface. Contours are no edges of them.
+    pub light: Option<Light>,
+}
+
+/// Few triangles, near to the heights of cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Largest distance from the height of a cell, metres.
+    pub tolerance: f64,
+    /// Size of the cells, metres. `None` gives those that the smooth surface is made on, or a quarter of the mean distance between
+    /// contours.
+    pub cell: Option<f64>,
+}
+
+impl Light {
+    /// The cells over a surface.
+    pub fn grid(&self, surface: &Surface) -> Grid {
+        let (lo, hi) = surface.frame.extent();
+        let own = surface.working.as_ref().map(|working| &working.0[..]);
+        match (self.cell, own) {
+            (Some(cell), _) => Grid::on_multiples(lo, hi, cell),
+            (None, Some([alone])) => alone.grid,
+            (None, Some([first, ..])) => Grid::on_multiples(lo, hi, first.grid.cell.x),
+            (None, _) => {
+                let spacing = MapExtent::new(&surface.map, &surface.frame, surface.interval).spacing;
+                Grid::on_multiples(lo, hi, spacing / 4.0)
+            }
+        }
+    }
 }
 
 /// Triangles in space: x east, y north, z up, in metres or in another unit on all three axes.
@@ -60,14 +92,15 @@ pub struct Mesh {
 pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshParams) -> Result<Mesh> {
     let tin = &surface.tin;
     let cut = part.map(|area| cut::cut(tin, area)).transpose()?;
-    let (vertices, triangles, border) = shell(cut.as_ref().unwrap_or(tin));
-    if triangles.is_empty() {
+    let tin = cut.as_ref().unwrap_or(tin);
+    if !(0..tin.len() as u32).any(|t| tin.is_inside(t)) {
         return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
     }
-    if let Some(v) = vertices.iter().find(|v| !v.is_finite()) {
-        let place = v.truncate() + tin.origin;
-        return Err(Error::Data(format!("the surface has no height at {:.3} {:.3}", place.x, place.y)));
-    }
+    let few = params.light.map(|light| light::light(tin, &heights(surface, &light.grid(surface), &()), light.tolerance));
+    let few = few.transpose()?;
+    let tin = few.as_ref().unwrap_or(tin);
+    let (vertices, triangles, border) = shell(tin);
+    check_heights(&vertices, tin.origin)?;
     let mut mesh = Mesh {
         break_lines: Vec::new(),
         origin: tin.origin.extend(0.0),
@@ -132,6 +165,13 @@ fn shell(tin: &Tin) -> Shell {
     let open = inside().flat_map(|t| (0..3).map(move |i| (t, i))).filter(|&(t, i)| tin.inner_neighbour(t, i).is_none());
     let border = open.map(|(t, i)| [corners[t as usize][i], corners[t as usize][(i + 1) % 3]]).collect();
     (vertices, triangles, border)
+}
+
+/// Refuses vertices without a height.
+fn check_heights(vertices: &[DVec3], origin: DVec2) -> Result<()> {
+    let Some(v) = vertices.iter().find(|v| !v.is_finite()) else { return Ok(()) };
+    let place = v.truncate() + origin;
+    Err(Error::Data(format!("the surface has no height at {:.3} {:.3}", place.x, place.y)))
 }
 
 /// Adds the bottom and the walls. The vertex below vertex v has the number v plus the number of vertices on top.
@@ -239,7 +279,7 @@ mod tests {
         shell.validate().unwrap();
         assert!((shell.plan_area() - 1600.0).abs() < 1e-6, "{}", shell.plan_area());
         assert!(shell.origin.truncate().distance(DVec2::new(400_000.0, 4_000_000.0)) < 50.0, "{}", shell.origin);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 2);
         assert!((solid.volume() - 1600.0 * 45.0).abs() < 1600.0 * 3.0, "{}", solid.volume());
@@ -250,7 +290,7 @@ mod tests {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let hole = ring(&[(-8.0, -8.0), (8.0, -8.0), (8.0, 8.0), (-8.0, 8.0)]);
         let surface = slope(vec![Polygon::new(square, vec![hole])]);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 0);
     }
@@ -264,7 +304,7 @@ mod tests {
         shell.validate().unwrap();
         let middle = DVec2::new(400_000.0, 4_000_000.0) - shell.origin.truncate();
         assert_eq!(shell.vertices.iter().filter(|v| v.truncate() == middle).count(), 2);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 4, "two closed bodies");
     }
@@ -274,7 +314,7 @@ mod tests {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let surface = slope(vec![Polygon::new(square, vec![])]);
         for base in [30.0, f64::NAN, f64::NEG_INFINITY] {
-            let error = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap_err();
+            let error = mesh(&surface, None, &MeshParams { base: Some(base), ..MeshParams::default() }).unwrap_err();
             assert!(matches!(error, Error::Parameter(_)), "{error}");
         }
     }

@@ -207,7 +207,7 @@ impl Terrain {
     #[pyo3(signature = (base, progress))]
     fn mesh(&self, py: Python<'_>, base: Option<f64>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Model> {
         work(py, progress, |_| {
-            let mesh = self.terrain.mesh(&MeshParams { base })?;
+            let mesh = self.terrain.mesh(&MeshParams { base, ..MeshParams::default() })?;
             Ok(mesh.in_drawing(&self.terrain.reprojection).unwrap_or(mesh))
         })
         .map(Model)
