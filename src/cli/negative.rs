@@ -129,6 +129,7 @@ mod tests {
         ("--zooms", "-1:5", Refused),
         ("--max-zoom", "-1", Refused),
         ("--scale", "-5000", Refused),
+        ("--size", "-180", Refused),
         ("--tile-side", "-1", Refused),
         ("--jobs", "-1", Refused),
     ];
@@ -188,7 +189,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 202;
+    const CASES: usize = 208;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

@@ -137,10 +137,8 @@ impl<'a> Light<'a> {
         let heights = corners.map(|v| self.vertices[v as usize].z);
         let area = (b - a).perp_dot(c - a);
         let (rise_b, rise_c) = (heights[1] - heights[0], heights[2] - heights[0]);
-        let slope = DVec2::new(
-            rise_b * (c.y - a.y) - rise_c * (b.y - a.y),
-            rise_c * (b.x - a.x) - rise_b * (c.x - a.x),
-        ) / area;
+        let slope =
+            DVec2::new(rise_b * (c.y - a.y) - rise_c * (b.y - a.y), rise_c * (b.x - a.x) - rise_b * (c.x - a.x)) / area;
         let (lowest, highest) =
             (heights.into_iter().fold(f64::MAX, f64::min), heights.into_iter().fold(f64::MIN, f64::max));
         let (lo, hi) = (a.min(b).min(c) - MARGIN, a.max(b).max(c) + MARGIN);
@@ -363,12 +361,7 @@ fn inside(base: &Tin, edges: &[[DVec2; 2]]) -> Vec<bool> {
 }
 
 /// The rings of the border, without the vertices between two corners that the heights do not need.
-fn rings(
-    vertices: &[DVec3],
-    border: &[[u32; 2]],
-    place: &impl Fn(DVec3) -> DVec2,
-    tolerance: f64,
-) -> Vec<Vec<DVec3>> {
+fn rings(vertices: &[DVec3], border: &[[u32; 2]], place: &impl Fn(DVec3) -> DVec2, tolerance: f64) -> Vec<Vec<DVec3>> {
     let mut next = vec![NONE; vertices.len()];
     border.iter().for_each(|&[u, v]| next[u as usize] = v);
     let mut rings = Vec::new();
@@ -383,7 +376,8 @@ fn rings(
             // The ring ends where it began.
             let at: Vec<DVec2> = ring.iter().map(|v| place(*v)).collect();
             let mut kept = vec![false; ring.len()];
-            let far = (0..at.len()).fold(0, |far, k| if at[k].distance(at[0]) > at[far].distance(at[0]) { k } else { far });
+            let far =
+                (0..at.len()).fold(0, |far, k| if at[k].distance(at[0]) > at[far].distance(at[0]) { k } else { far });
             [0, far].into_iter().for_each(|k| kept[k] = true);
             for part in [0..far, far..ring.len() - 1] {
                 keep(&ring, &at, part.start, part.end, tolerance, &mut kept);
@@ -439,8 +433,7 @@ mod tests {
     fn ground(dem: &Dem, corners: &[(f64, f64)]) -> Tin {
         let grid = &dem.grid;
         let first = grid.center(0, 0);
-        let points: Vec<DVec2> =
-            corners.iter().map(|&(col, row)| first + DVec2::new(col, -row) * grid.cell).collect();
+        let points: Vec<DVec2> = corners.iter().map(|&(col, row)| first + DVec2::new(col, -row) * grid.cell).collect();
         let mut input = TinInput::new([points[0], points[0] + 1000.0], -1.0);
         points.iter().for_each(|p| {
             input.push(*p, 5.0, VertexKind::Frame);
@@ -507,7 +500,8 @@ mod tests {
     #[test]
     fn an_outline_keeps_its_corners_and_its_heights() {
         let dem = hills(20, 20);
-        let corners = [(2.0, 2.0), (2.0, 17.0), (17.0, 17.0), (17.0, 9.5), (17.0, 2.0)].map(|(x, y)| DVec3::new(x, -y, 0.0));
+        let corners =
+            [(2.0, 2.0), (2.0, 17.0), (17.0, 17.0), (17.0, 9.5), (17.0, 2.0)].map(|(x, y)| DVec3::new(x, -y, 0.0));
         let mut ring = corners.to_vec();
         let border: Vec<[u32; 2]> = (0..5).map(|k| [k, (k + 1) % 5]).collect();
         let place = |v: DVec3| v.truncate();
