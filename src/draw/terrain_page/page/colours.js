@@ -7,7 +7,7 @@ const RAMPS = {
   byError: ["#f1eef6", "#c3b6dc", "#9a86c4", "#7a4fa8", "#5b1f86", "#37094f"],
 };
 const LINES = {
-  input: { colour: "#4a2b10", width: 1.2, indexWidth: 2.4 },
+  input: { colour: "#4a2b10", width: 1, indexWidth: 2 },
   added: { colour: "#b4500f", width: 0.9, indexWidth: 1.6 },
   ridges: { colour: "#a01446", width: 1.4 },
   canyons: { colour: "#0d4f9e", width: 1.4 },

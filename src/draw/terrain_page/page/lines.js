@@ -24,13 +24,19 @@ function lineObject(lines, style, isIndex) {
   return new THREE.LineSegments2(geometry, material);
 }
 
+// How clear new contours are in the whole view; from nearer, they become as clear as the others.
+const FAINT = 0.3;
+
 // Adds all lines to the scene. Gives the group of each kind, to be shown or not.
 function addLines(view, data) {
   const groups = {};
-  for (const [name, lines] of Object.entries(data.lines)) {
+  // The order is that of the colours.
+  for (const name of Object.keys(LINES).filter((name) => data.lines[name])) {
     groups[name] = new THREE.Group();
-    groups[name].add(...[false, true].map((isIndex) => lineObject(lines, LINES[name], isIndex)).filter(Boolean));
+    groups[name].add(...[false, true].map((isIndex) => lineObject(data.lines[name], LINES[name], isIndex)).filter(Boolean));
     view.group.add(groups[name]);
   }
+  const faint = (groups.added?.children ?? []).map((child) => Object.assign(child.material, { transparent: true }));
+  view.before.add((distance) => faint.forEach((material) => (material.opacity = Math.min((FAINT * view.size) / distance, 1))));
   return groups;
 }

@@ -22,7 +22,7 @@ function makeMarks(view, data, units, layer, choose) {
     ...data.spots.map((spot) =>
       make("spots", onGround(spot, spot[2]), element("span", { className: "spot", textContent: units.number(spot[2] / units.size, 1) }), 34)),
     ...data.labels.map(([x, y, z]) =>
-      make("labels", [x, y, z], element("span", { className: "label", textContent: units.number(z / units.size, decimals(z)) }), 34)),
+      make("labels", [x, y, z], element("span", { className: "label", textContent: units.number(z / units.size, decimals(z)) }), 64)),
   ].filter(Boolean);
   marks.forEach((mark) => {
     mark.element.hidden = true;
@@ -37,7 +37,7 @@ function makeMarks(view, data, units, layer, choose) {
     for (const mark of marks) {
       const { x, y, isBefore } = view.pixelOf(mark.place);
       const isInside = isBefore && x > 0 && y > 0 && x < width && y < height;
-      const key = `${Math.round(x / mark.room)} ${Math.round(y / 18)} ${mark.room}`;
+      const key = `${Math.round(x / mark.room)} ${Math.round(y / (mark.room / 2))} ${mark.room}`;
       const isFree = mark.kind === "findings" || !taken.has(key);
       const level = view.uniforms.levelMode.value === 2 && mark.place[2] > view.uniforms.level.value;
       const is = shown[mark.kind] && isInside && isFree && !level && !view.isHidden(mark.place);

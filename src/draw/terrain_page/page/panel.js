@@ -40,7 +40,7 @@ function legendOf(mode, data, units) {
     line.style.borderTop = `${width}px solid ${colour}`;
     return element("div", { className: "key" }, line, words);
   };
-  Object.keys(data.lines).forEach((name) => box.append(key(LINES[name].colour, Math.max(LINES[name].width, 2), WORDS[name])));
+  Object.keys(LINES).filter((name) => data.lines[name]).forEach((name) => box.append(key(LINES[name].colour, Math.max(LINES[name].width, 2), WORDS[name])));
   if (data.water) box.append(key(WATER, 8, WORDS.water));
   return box;
 }

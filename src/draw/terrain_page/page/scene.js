@@ -136,7 +136,7 @@ function makeScene(canvas, data) {
   controls.minDistance = size / 400;
   controls.maxDistance = size * 4;
 
-  const view = { renderer, scene, group, camera, controls, uniforms, flood, setFlood, size, changed: new Set() };
+  const view = { renderer, scene, group, camera, controls, uniforms, flood, setFlood, size, before: new Set(), changed: new Set() };
   let isAsked = false;
   view.render = () => {
     isAsked = false;
@@ -144,6 +144,7 @@ function makeScene(canvas, data) {
     camera.near = distance / 60;
     camera.far = distance + 3 * size;
     camera.updateProjectionMatrix();
+    view.before.forEach((prepare) => prepare(distance));
     renderer.render(scene, camera);
     view.changed.forEach((tell) => tell());
   };

@@ -13,6 +13,6 @@ function makeUnits({ name, size }) {
     area: (metres) =>
       isFeet ? `${round(metres / 4046.8564224)} acres` : metres < 1e6 ? `${round(metres)} m²` : `${round(metres / 1e6)} km²`,
     volume: (metres) =>
-      isFeet ? `${round(metres / 1233.48183754752)} acre-feet` : metres < 1e6 ? `${round(metres)} m³` : `${round(metres / 1e6)} × 10⁶ m³`,
+      isFeet ? `${round(metres / 1233.48183754752)} acre-feet` : metres < 1e6 ? `${round(metres)} m³` : metres < 1e9 ? `${round(metres / 1e6)} × 10⁶ m³` : `${round(metres / 1e9)} km³`,
   };
 }
