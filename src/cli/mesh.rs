@@ -75,7 +75,7 @@ Examples:
   tokosen mesh contours.gpkg -i 4 -o terrain.html
   tokosen mesh contours.gpkg --tolerance 0.5 -o terrain.glb
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
-  tokosen mesh contours.gpkg --size 180mm --exaggerate 1.5 -o print.3mf
+  tokosen mesh contours.gpkg --size 180mm --exaggeration 1.5 -o print.3mf
   tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
 
@@ -117,6 +117,7 @@ impl MeshArgs {
             ),
             (&["--size", "--exaggeration"], "is for models to print: write .stl or .3mf", form == Form::Print),
             (&["--interval", "--uncertainty"], "is for pages: write .html", form == Form::Page),
+            (&["--preview"], "is for models: a page shows the terrain itself", form != Form::Page),
             (&["--cell"], "needs --tolerance", form == Form::Page || self.tolerance.is_some()),
         ] {
             if let Some(flag) = console.flags.first(flags).filter(|_| !fits) {
@@ -139,9 +140,7 @@ impl MeshArgs {
     fn light(&self) -> Option<Light> {
         self.tolerance.map(|tolerance| Light { tolerance, cell: self.cell })
     }
-}
 
-impl MeshArgs {
     /// Writes the model, and draws its picture. Gives the model that was written.
     fn write(
         &self,

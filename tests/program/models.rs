@@ -9,8 +9,6 @@ use crate::running::{Running, folder_with_part};
 
 /// Status of wrong usage.
 const USAGE: i32 = 2;
-/// Status of work that failed.
-const FAILED: i32 = 1;
 
 /// The triangles of a binary STL.
 fn triangles(bytes: &[u8]) -> Vec<[[f32; 3]; 3]> {
@@ -93,6 +91,7 @@ fn flags_that_have_no_meaning_are_refused() {
         ("-o a.ply -i 5", "--interval is for pages: write .html"),
         ("-o a.stl --uncertainty", "--uncertainty is for pages"),
         ("-o a.ply --cell 5", "--cell needs --tolerance"),
+        ("-o a.html --preview a.png", "--preview is for models"),
         ("-o a.html --base-height 0", "--base-height makes a solid"),
         ("-o a.xml --base-height 0", "--base-height makes a solid"),
         ("-o a.html --tolerance 0", "--tolerance is 0, it must be more than 0"),
@@ -102,6 +101,6 @@ fn flags_that_have_no_meaning_are_refused() {
         let said = folder.ends(&format!("mesh in.gpkg {arguments}"), USAGE);
         assert!(said.contains(words), "{arguments}: {said}");
     }
-    let said = folder.ends("mesh in.gpkg --base-height 9000 -o a.stl", FAILED);
+    let said = folder.ends("mesh in.gpkg --base-height 9000 -o a.stl", USAGE);
     assert!(said.contains("it must be below the lowest height"), "{said}");
 }
