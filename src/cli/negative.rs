@@ -86,7 +86,7 @@ mod tests {
         ("--levels", "-12.5", Taken),
         ("--levels", "-.5,3", Taken),
         ("--interval", "-5", Taken),
-        ("-i", "-5,2", Taken),
+        ("-i", "-5", Taken),
         ("--base-level", "-12.5", Taken),
         ("--base-height", "-12.5", Taken),
         ("--base", "-12.5", Taken),
