@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::base::ElevationUnit;
+use tokosen::base::error::Error;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::StagedOutput;
-use tokosen::io::mesh::{MESH_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
-use tokosen::mesh::{Mesh, MeshParams};
-use tokosen::surface::Triangles;
+use tokosen::io::mesh::{MESH_EXTENSIONS, PRINT_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
+use tokosen::mesh::{Light, Mesh, MeshParams, PrintParams};
+use tokosen::surface::{Triangles, Uncertainty};
+use tokosen::terrain::HtmlParams;
+use tokosen::{GridSpec, Interval, Terrain};
 
 use super::console::Console;
 use super::failure::Failure;
@@ -30,13 +33,34 @@ use super::{output, summary};
 pub struct MeshArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb); or a surface of triangles in map coordinates:
-    /// LandXML 1.2 (.xml), or DXF with a 3DFACE for each triangle (.dxf)
+    /// Model to write: a page to look at in a browser (.html); PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb); a surface of
+    /// triangles in map coordinates: LandXML 1.2 (.xml), or DXF with a 3DFACE for each triangle (.dxf); a solid to print: STL
+    /// (.stl) or 3MF (.3mf)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
-    /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m]
+    /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m] [default for
+    /// .stl and .3mf: 2 mm of the print below the lowest ground]
     #[arg(long, alias = "base", value_name = "HEIGHT", help_heading = "Output")]
     base_height: Option<f64>,
+    /// Few triangles, none further than this from the surface at the centre of a cell. Contours are no edges of them then [m]
+    /// [default: all triangles of the surface; in a page, a twentieth of the interval]
+    #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
+    tolerance: Option<f64>,
+    /// Size of the cells of --tolerance and of a page [m] [default: those that the surface is made on]
+    #[arg(long, value_name = "SIZE", help_heading = "Output")]
+    cell: Option<f64>,
+    /// Interval of new contours in a page [metres]
+    #[arg(short, long, value_name = "STEP", help_heading = "Output")]
+    interval: Option<f64>,
+    /// Expected errors as colours in a page
+    #[arg(long, help_heading = "Output")]
+    uncertainty: bool,
+    /// Length of the longer side of a model to print [mm] [default: 180]
+    #[arg(long, value_name = "LENGTH", value_parser = millimetres, help_heading = "Output")]
+    size: Option<f64>,
+    /// Factor on heights of a model to print
+    #[arg(long, alias = "exaggerate", value_name = "FACTOR", help_heading = "Output")]
+    exaggeration: Option<f64>,
     /// Also draw an oblique view of the model with its contours, ridge and canyon lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -48,20 +72,113 @@ pub struct MeshArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  tokosen mesh contours.gpkg -o terrain.glb
+  tokosen mesh contours.gpkg -i 4 -o terrain.html
+  tokosen mesh contours.gpkg --tolerance 0.5 -o terrain.glb
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
+  tokosen mesh contours.gpkg --size 180mm --exaggeration 1.5 -o print.3mf
   tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
 
+/// A length such as 180 or 180mm.
+fn millimetres(text: &str) -> Result<f64, String> {
+    let number = text.trim().strip_suffix("mm").unwrap_or(text).trim().parse::<f64>();
+    number.ok().filter(|size| size.is_finite() && *size > 0.0).ok_or_else(|| "it must be a length such as 180mm".into())
+}
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Model,
+    Surface,
+    Print,
+    Page,
+}
+
+impl MeshArgs {
+    /// What the extension of the output asks for. Refuses flags that have no meaning for it.
+    fn form(&self, console: &Console) -> Result<Form, Failure> {
+        let forms: [(Form, &[&str]); 4] = [
+            (Form::Page, &PAGE_EXTENSIONS),
+            (Form::Model, &MESH_EXTENSIONS),
+            (Form::Print, &PRINT_EXTENSIONS),
+            (Form::Surface, &SURFACE_EXTENSIONS),
+        ];
+        let known: Vec<&str> = forms.iter().flat_map(|(_, extensions)| *extensions).copied().collect();
+        output::check_extension(&self.output, "models", &known)?;
+        let extension = output::extension(&self.output);
+        let is_own = |(form, own): &(Form, &[&str])| own.contains(&extension.as_str()).then_some(*form);
+        let form = forms.iter().find_map(is_own).unwrap_or(Form::Model);
+        let usage = |message: String| Err(Failure::Usage(message));
+        for (flags, meaning, fits) in [
+            (
+                &["--base-height"][..],
+                "makes a solid: write .ply, .obj, .glb, .stl or .3mf",
+                matches!(form, Form::Model | Form::Print),
+            ),
+            (&["--size", "--exaggeration"], "is for models to print: write .stl or .3mf", form == Form::Print),
+            (&["--interval", "--uncertainty"], "is for pages: write .html", form == Form::Page),
+            (&["--preview"], "is for models: a page shows the terrain itself", form != Form::Page),
+            (&["--cell"], "needs --tolerance", form == Form::Page || self.tolerance.is_some()),
+        ] {
+            if let Some(flag) = console.flags.first(flags).filter(|_| !fits) {
+                return usage(format!("{}: {flag} {meaning}", self.output.display()));
+            }
+        }
+        let lengths = [
+            ("--tolerance", self.tolerance),
+            ("--cell", self.cell),
+            ("--interval", self.interval),
+            ("--exaggeration", self.exaggeration),
+        ];
+        match lengths.into_iter().find(|(_, value)| value.is_some_and(|v| !(v.is_finite() && v > 0.0))) {
+            Some((flag, value)) => usage(format!("{flag} is {}, it must be more than 0", value.unwrap_or_default())),
+            None => Ok(form),
+        }
+    }
+
+    /// How few triangles there are to be, and where.
+    fn light(&self) -> Option<Light> {
+        self.tolerance.map(|tolerance| Light { tolerance, cell: self.cell })
+    }
+
+    /// Writes the model, and draws its picture. Gives the model that was written.
+    fn write(
+        &self,
+        form: Form,
+        terrain: &Terrain,
+        staged: &StagedOutput,
+        job: &mut Job<'_>,
+        console: &Console,
+    ) -> Result<Mesh, Failure> {
+        let base = self.base_height.filter(|_| form != Form::Print);
+        let model = terrain.mesh(&MeshParams { base, light: self.light() })?;
+        // The picture is drawn in metres.
+        let written = match form {
+            Form::Print => {
+                let usual = PrintParams::default();
+                let size = self.size.unwrap_or(usual.size);
+                let exaggeration = self.exaggeration.unwrap_or(usual.exaggeration);
+                model.printed(&PrintParams { size, exaggeration, base: self.base_height })?
+            }
+            _ => model.in_drawing(&terrain.reprojection).unwrap_or_else(|| model.clone()),
+        };
+        console.step("writing", || write_mesh(&staged.path(), &written)).map_err(|e| staged.with_final_name(e))?;
+        if job.draws() {
+            let contours = &terrain.input_contours()?.lines;
+            let break_lines = &terrain.surface.break_lines;
+            let shown = Model { mesh: &model, contours, break_lines, units: console.units(), title: None };
+            job.draw(&Drawing::Image(render_model(&shown)?))?;
+        }
+        Ok(written)
+    }
+}
+
+/// The extensions of pages.
+const PAGE_EXTENSIONS: [&str; 2] = ["html", "htm"];
+
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
-    output::check_extension(&args.output, "models", &[MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS].concat())?;
-    let is_surface = output::check_extension(&args.output, "surfaces", &SURFACE_EXTENSIONS).is_ok();
-    if args.base_height.is_some() && is_surface {
-        return Err(Failure::Usage(
-            "--base-height makes a solid, which .xml and .dxf cannot hold: write .ply, .obj or .glb".into(),
-        ));
-    }
+    let form = args.form(console)?;
     args.surface.check(&console.flags)?;
     let mut job = Job::start(
         &args.input,
@@ -74,38 +191,51 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input =
         job.read(Scope { part: Some(&args.part), sea: args.surface.water.sea, ..Scope::of(&args.surface.frame) })?;
-    let terrain =
-        job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
-    let model = terrain.mesh(&MeshParams { base: args.base_height })?;
-    // The picture is drawn in metres.
-    let of_drawing = model.in_drawing(&terrain.reprojection);
-    let written = of_drawing.as_ref().unwrap_or(&model);
-    console.step("writing", || write_mesh(&staged.path(), written)).map_err(|e| staged.with_final_name(e))?;
-    if job.draws() {
-        let contours = &terrain.input_contours()?.lines;
-        let break_lines = &terrain.surface.break_lines;
-        let shown = Model { mesh: &model, contours, break_lines, units: console.units(), title: None };
-        job.draw(&Drawing::Image(render_model(&shown)?))?;
-    }
+    let grid = args.cell.map(GridSpec::Cell);
+    let mut options = args.surface.options(grid.as_ref(), Triangles::Smooth, ElevationUnit::Metre)?;
+    options.uncertainty = if args.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown };
+    let terrain = job.build(&mut input, &args.surface, options)?;
+    let written = match form {
+        Form::Page => {
+            let params = HtmlParams {
+                title: args.input.map.title(),
+                target: args.interval.map(|step| Interval::every(step).into()),
+                cell: args.cell,
+                tolerance: args.tolerance,
+                ..HtmlParams::default()
+            };
+            let path = staged.path();
+            let page = terrain.to_html(&params, console)?;
+            console
+                .step("writing", || std::fs::write(&path, page))
+                .map_err(|e| staged.with_final_name(Error::io("write", &path, e)))?;
+            None
+        }
+        _ => Some(args.write(form, &terrain, &staged, &mut job, console)?),
+    };
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
-    describe(&staged.commit()?, written, console);
+    let path = staged.commit()?;
+    match &written {
+        Some(mesh) => describe(&path, mesh, form, console),
+        None => console.say(&format!("written    {} (a page for the browser; it needs no other file)", path.display())),
+    }
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }
 
 /// The lines of the summary about a model.
-fn describe(path: &Path, mesh: &Mesh, console: &Console) {
+fn describe(path: &Path, mesh: &Mesh, form: Form, console: &Console) {
     let (lo, hi) = mesh.extent();
     let unit = mesh.unit.as_ref().map_or("m".to_owned(), |unit| match ElevationUnit::of_size(unit.metres) {
         Some(known) => known.name().to_owned(),
         None => unit.name.clone(),
     });
     let size = hi - lo;
-    let is_surface = output::check_extension(path, "surfaces", &SURFACE_EXTENSIONS).is_ok();
-    let offset = match is_surface {
-        true => String::new(),
-        false => format!(", offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z),
+    let unit = if form == Form::Print { "mm".to_owned() } else { unit };
+    let offset = match form {
+        Form::Model => format!(", offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z),
+        _ => String::new(),
     };
     let kind = if mesh.base.is_some() { "solid" } else { "shell" };
     console.say(&format!(
@@ -118,7 +248,9 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         lo.z,
         hi.z,
     ));
-    console.say(&format!("           {}", placement(path, mesh)));
+    if form != Form::Print {
+        console.say(&format!("           {}", placement(path, mesh)));
+    }
     let flat = flattened(path, mesh);
     if flat > 0 {
         console.say(&format!(

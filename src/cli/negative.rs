@@ -86,7 +86,7 @@ mod tests {
         ("--levels", "-12.5", Taken),
         ("--levels", "-.5,3", Taken),
         ("--interval", "-5", Taken),
-        ("-i", "-5,2", Taken),
+        ("-i", "-5", Taken),
         ("--base-level", "-12.5", Taken),
         ("--base-height", "-12.5", Taken),
         ("--base", "-12.5", Taken),
@@ -131,6 +131,7 @@ mod tests {
         ("--scale", "-5000", Refused),
         ("--supplementary", "-5,-2.5", Taken),
         ("--supplementary-spacing", "-100", Taken),
+        ("--size", "-180", Refused),
         ("--tile-side", "-1", Refused),
         ("--jobs", "-1", Refused),
     ];
@@ -190,7 +191,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 206;
+    const CASES: usize = 213;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

@@ -1,5 +1,5 @@
 //! Pictures, charts and pages: the preview of a result, maps on paper, profiles and curves, the report of a comparison, and the
-//! page for map tiles.
+//! pages for map tiles and for a terrain in 3-D.
 
 pub mod chart;
 mod coordinates;
@@ -8,6 +8,7 @@ pub mod preview;
 pub mod report;
 mod scale;
 mod scene;
+pub mod terrain_page;
 pub mod viewer;
 
 pub use scene::Scene;

@@ -36,6 +36,7 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["obj"], b"# tokosen\n"),
     (&["ply"], b"\ncomment tokosen\n"),
     (&["xml"], b"<Application name=\"tokosen\""),
+    (&["stl"], b"tokosen, in mm"),
     (&["pdf"], b"/Producer (tokosen)"),
     (&["svg", "kml"], b"<!-- made by tokosen -->"),
     (&["html", "htm"], b"<meta name=\"generator\" content=\"tokosen\">"),
@@ -56,7 +57,7 @@ pub(super) fn is_own(path: &Path) -> bool {
     }
     match extension.as_str() {
         "parquet" | "geoparquet" => return geoparquet::is_own(file),
-        "kmz" => return ZipArchive::new(file).is_ok_and(|archive| archive.comment() == MADE_BY.as_bytes()),
+        "kmz" | "3mf" => return ZipArchive::new(file).is_ok_and(|archive| archive.comment() == MADE_BY.as_bytes()),
         "pmtiles" => return tiles::is_own_pmtiles(file),
         "mbtiles" => return tiles::is_own_mbtiles(path),
         _ => {}

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::base::Background;
 use super::clipped::clip_creases;
-use super::grid::Cells;
+use super::grid::{Cells, GridSpec};
 use super::input::Input;
 use super::options::Options;
 use super::part::{Part, drop_outside};
@@ -16,7 +16,7 @@ use tokosen_core::cartography::{Ground, OfInput};
 use tokosen_core::contour::{ContourLayer, Interval, Target, clip_lines};
 use tokosen_core::crs::{Crs, FromWorking, Reprojection};
 use tokosen_core::layers::{LayerParams, contour_layers};
-use tokosen_core::mesh::{Mesh, MeshParams, mesh};
+use tokosen_core::mesh::{Light, Mesh, MeshParams, mesh};
 use tokosen_core::subdomains::{FrameRing, MapExtent, frame_ring};
 use tokosen_core::surface::{Surface, build, whole_map};
 
@@ -176,9 +176,10 @@ impl Terrain {
     /// drawing in feet in feet.
     ///
     /// # Errors
-    /// As [`mesh`](fn@mesh). [`Error::PlaneUnitUnknown`] if heights are in feet and nothing states the unit of x and y.
+    /// As [`mesh`](fn@mesh). [`Error::TooManyCells`] for cells that are too small. [`Error::PlaneUnitUnknown`] if heights are in feet and nothing states the unit of x and y.
     pub fn mesh(&self, params: &MeshParams) -> Result<Mesh> {
         self.check_plane_unit()?;
+        params.light.iter().try_for_each(|light| self.check_light(light))?;
         let mut made = mesh(&self.surface, self.part.as_ref(), params)?;
         let mut creases: Vec<Vec<DVec3>> = self.surface.creases.iter().map(|crease| crease.points.clone()).collect();
         if let Some(area) = &self.part {
@@ -188,6 +189,13 @@ impl Terrain {
         let relative = |crease: Vec<DVec3>| crease.into_iter().map(|p| p - origin).collect();
         made.break_lines = creases.into_iter().map(relative).collect();
         Ok(made)
+    }
+
+    /// Refuses cells that are too many for the memory.
+    pub(super) fn check_light(&self, light: &Light) -> Result<()> {
+        let Some(cell) = light.cell else { return Ok(()) };
+        let cells = GridSpec::Cell(cell).over(&Reprojection::default())?;
+        cells.check_room(&self.surface.frame, false, self.memory)
     }
 
     /// [`Input::check_plane_unit`], for the terrain of an input.

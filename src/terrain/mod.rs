@@ -15,6 +15,8 @@ mod facade;
 mod files;
 mod grid;
 mod height_map;
+#[cfg(feature = "draw")]
+mod html;
 mod input;
 #[cfg(feature = "io")]
 mod json;
@@ -59,6 +61,8 @@ pub use facade::Terrain;
 pub use files::read_check_points;
 pub use grid::GridSpec;
 pub use height_map::HeightMap;
+#[cfg(feature = "draw")]
+pub use html::HtmlParams;
 pub use input::{Input, InputOptions};
 #[cfg(feature = "io")]
 pub use json::{check_json, comparison_json};

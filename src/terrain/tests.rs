@@ -195,7 +195,7 @@ fn further_inputs_come_from_memory() {
     let error = terrain.dem(&GridSpec::Cells { grid: far, crs: None, file: None }).unwrap_err();
     assert!(matches!(error, Error::NoOverlap), "{error}");
     assert!(terrain.errors(&GridSpec::Cell(10.0)).unwrap().is_none());
-    let mesh = terrain.mesh(&MeshParams { base: Some(0.0) }).unwrap();
+    let mesh = terrain.mesh(&MeshParams { base: Some(0.0), ..MeshParams::default() }).unwrap();
     let first = mesh.vertices[0] + mesh.origin;
     let arrays = mesh.clone().into_arrays();
     assert_eq!((arrays.vertices[0], arrays.vertices.len()), (first.to_array(), mesh.vertices.len()));

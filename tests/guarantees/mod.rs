@@ -236,7 +236,8 @@ pub fn hold(map: ContourMap, lines: &Lines, params: &SurfaceParams, what: &str) 
     // A frame so narrow that no triangle fits in has no mesh.
     if (0..surface.tin.len() as u32).any(|t| surface.tin.is_inside(t)) {
         let sound = |base| {
-            let mesh = mesh(&surface, None, &MeshParams { base }).unwrap_or_else(|e| panic!("{what}: {e}"));
+            let mesh = mesh(&surface, None, &MeshParams { base, ..MeshParams::default() })
+                .unwrap_or_else(|e| panic!("{what}: {e}"));
             mesh.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
             mesh.extent().0.z
         };

@@ -68,7 +68,7 @@ fn solids_of_the_samples_are_watertight() {
         assert!(near(shell.plan_area(), area), "{name}");
         assert!(!is_closed(&shell.triangles), "{name}");
 
-        let solid = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(base), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
         assert!(is_closed(&solid.triangles), "{name}");
         let euler = solid.vertices.len() as i64 - solid.triangles.len() as i64 / 2;
@@ -81,7 +81,7 @@ fn solids_of_the_samples_are_watertight() {
 #[test]
 fn a_mesh_with_a_fault_is_found_out() {
     let (_, surface) = samples().remove(0);
-    let solid = mesh(&surface, None, &MeshParams { base: Some(-1000.0) }).unwrap();
+    let solid = mesh(&surface, None, &MeshParams { base: Some(-1000.0), ..MeshParams::default() }).unwrap();
     let broken = |change: fn(&mut Mesh)| {
         let mut copy = solid.clone();
         change(&mut copy);
@@ -209,7 +209,7 @@ fn read_glb(bytes: &[u8]) -> Read {
 fn every_format_gives_the_mesh_back() {
     let folder = tempfile::tempdir().unwrap();
     let (_, surface) = samples().remove(6);
-    let wanted = mesh(&surface, None, &MeshParams { base: Some(-50.5) }).unwrap();
+    let wanted = mesh(&surface, None, &MeshParams { base: Some(-50.5), ..MeshParams::default() }).unwrap();
     for extension in MESH_EXTENSIONS {
         let path = folder.path().join(format!("model.{extension}"));
         write_mesh(&path, &wanted).unwrap();
@@ -287,7 +287,7 @@ fn meshes_of_all_terrain_are_sound() {
             let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
             prop_assert_eq!(shell.validate(), Ok(()));
             let base = shell.extent().0.z - 1.0;
-            let solid = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap();
+            let solid = mesh(&surface, None, &MeshParams { base: Some(base), ..MeshParams::default() }).unwrap();
             prop_assert_eq!(solid.validate(), Ok(()));
             let volume = prisms(&surface, base).1;
             prop_assert!((solid.volume() - volume).abs() <= 1e-6 * volume);
@@ -342,7 +342,7 @@ fn surfaces_for_engineers_have_the_area_and_the_volume_of_the_ground() {
             assert!((found_volume - volume).abs() < 1e-6 * volume.abs().max(area), "{name} {extension}");
         }
         let lowest = shell.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(lowest - 1.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(lowest - 1.0), ..MeshParams::default() }).unwrap();
         let refused = write_mesh(&dir.path().join("solid.xml"), &solid).unwrap_err().to_string();
         assert!(refused.contains("no walls"), "{refused}");
     }

@@ -193,6 +193,9 @@ fn every_format_is_written_twice_and_foreign_files_only_when_asked() {
         ("mesh in.geojson -o out.glb", "out.glb", true),
         ("mesh in.geojson -o out.obj", "out.obj", true),
         ("mesh in.geojson -o out.ply", "out.ply", true),
+        ("mesh in.geojson -o out.stl", "out.stl", true),
+        ("mesh in.geojson -o out.3mf", "out.3mf", true),
+        ("mesh in.geojson -o page.html", "page.html", true),
         ("compare in.geojson a.tif --report out.html", "out.html", true),
         ("check in.geojson -o findings.geojson", "findings.geojson", true),
     ] {

@@ -30,6 +30,7 @@ mod guide_pages;
 mod hulls;
 mod labels;
 mod maps;
+mod models;
 mod negative_numbers;
 mod no_ordinary_files;
 mod other_crs;

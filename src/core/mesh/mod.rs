@@ -7,15 +7,24 @@
 
 mod cut;
 mod drawing;
+mod light;
+mod print;
 mod validate;
+
+use std::collections::HashSet;
 
 use geo::MultiPolygon;
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::{Crs, LengthUnit};
-use crate::surface::Surface;
+use crate::raster::Dem;
+use crate::subdomains::MapExtent;
+use crate::surface::{Surface, height_map};
 use crate::tin::Tin;
+
+pub use print::PrintParams;
 
 /// Marks a corner without a vertex yet.
 const UNSET: u32 = u32::MAX;
@@ -25,6 +34,40 @@ const UNSET: u32 = u32::MAX;
 pub struct MeshParams {
     /// Height of the flat bottom of a solid, metres. `None` gives an open shell.
     pub base: Option<f64>,
+    /// Few triangles instead of all those of the surface. Contours are no edges of them.
+    pub light: Option<Light>,
+}
+
+/// Few triangles, near to the heights of cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Largest distance from the height of a cell, metres.
+    pub tolerance: f64,
+    /// Size of the cells, metres. `None` gives those that the smooth surface is made on, or a quarter of the mean distance between
+    /// contours.
+    pub cell: Option<f64>,
+}
+
+impl Light {
+    /// The heights of a surface that the triangles come near to.
+    pub fn heights(&self, surface: &Surface) -> Dem {
+        height_map(surface, &self.grid(surface), surface.map.crs.as_ref(), None, &())
+    }
+
+    /// The cells over a surface.
+    pub fn grid(&self, surface: &Surface) -> Grid {
+        let (lo, hi) = surface.frame.extent();
+        let own = surface.working.as_ref().map(|working| &working.0[..]);
+        match (self.cell, own) {
+            (Some(cell), _) => Grid::on_multiples(lo, hi, cell),
+            (None, Some([alone])) => alone.grid,
+            (None, Some([first, ..])) => Grid::on_multiples(lo, hi, first.grid.cell.x),
+            (None, _) => {
+                let spacing = MapExtent::new(&surface.map, &surface.frame, surface.interval).spacing;
+                Grid::on_multiples(lo, hi, spacing / 4.0)
+            }
+        }
+    }
 }
 
 /// Triangles in space: x east, y north, z up, in metres or in another unit on all three axes.
@@ -52,47 +95,35 @@ pub struct Mesh {
 /// The triangles of a surface inside its frame, or the solid between them and a flat bottom. Of a `part` of the map, the
 /// triangles are cut at its border.
 ///
-/// The bottom is a copy of the top without relief. Walls go down along every border edge, including the edges of holes.
-///
 /// # Errors
-/// If there is no ground inside the frame, if the base is not below the lowest height, or if 32-bit indices cannot
-/// count the vertices.
+/// If there is no ground inside the frame, or if few triangles are asked for and do not come within the tolerance. As
+/// [`Mesh::closed`].
 pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshParams) -> Result<Mesh> {
     let tin = &surface.tin;
     let cut = part.map(|area| cut::cut(tin, area)).transpose()?;
-    let (vertices, triangles, border) = shell(cut.as_ref().unwrap_or(tin));
-    if triangles.is_empty() {
+    let tin = cut.as_ref().unwrap_or(tin);
+    if !(0..tin.len() as u32).any(|t| tin.is_inside(t)) {
         return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
     }
-    if let Some(v) = vertices.iter().find(|v| !v.is_finite()) {
-        let place = v.truncate() + tin.origin;
-        return Err(Error::Data(format!("the surface has no height at {:.3} {:.3}", place.x, place.y)));
-    }
+    let few = params.light.map(|light| light::light(tin, &light.heights(surface), light.tolerance)).transpose()?;
+    let tin = few.as_ref().unwrap_or(tin);
+    let (vertices, triangles, _) = shell(tin);
+    check_heights(&vertices, tin.origin)?;
     let mut mesh = Mesh {
         break_lines: Vec::new(),
         origin: tin.origin.extend(0.0),
         vertices,
         normals: Vec::new(),
         triangles,
-        base: params.base,
+        base: None,
         crs: surface.map.crs.clone(),
         unit: None,
     };
-    let ground = mesh.triangles.len();
-    if let Some(base) = params.base {
-        let lowest = mesh.vertices.iter().fold(f64::INFINITY, |m, v| m.min(v.z));
-        if !base.is_finite() || base >= lowest {
-            return Err(Error::Parameter(format!(
-                "the base is at {base} m, it must be below the lowest height of the surface, {lowest:.3} m"
-            )));
-        }
-        if mesh.vertices.len() > (UNSET / 2) as usize {
-            return Err(Error::Data("the solid has more vertices than 32-bit indices can count".into()));
-        }
-        close(&mut mesh, base, &border);
+    mesh.normals = normals(&mesh, mesh.triangles.len());
+    match params.base {
+        Some(base) => mesh.closed(base),
+        None => Ok(mesh),
     }
-    mesh.normals = normals(&mesh, ground);
-    Ok(mesh)
 }
 
 /// Vertices, triangles, and border edges. The ground lies on the left of the edges.
@@ -134,21 +165,11 @@ fn shell(tin: &Tin) -> Shell {
     (vertices, triangles, border)
 }
 
-/// Adds the bottom and the walls. The vertex below vertex v has the number v plus the number of vertices on top.
-fn close(mesh: &mut Mesh, base: f64, border: &[[u32; 2]]) {
-    let below = mesh.vertices.len() as u32;
-    mesh.vertices.extend_from_within(..);
-    mesh.vertices[below as usize..].iter_mut().for_each(|v| v.z = base);
-    let top = mesh.triangles.len();
-    mesh.triangles.reserve(top + 2 * border.len());
-    for t in 0..top {
-        let [a, b, c] = mesh.triangles[t].map(|v| v + below);
-        mesh.triangles.push([a, c, b]);
-    }
-    for &[u, v] in border {
-        mesh.triangles.push([v, u, u + below]);
-        mesh.triangles.push([v, u + below, v + below]);
-    }
+/// Refuses vertices without a height.
+fn check_heights(vertices: &[DVec3], origin: DVec2) -> Result<()> {
+    let Some(v) = vertices.iter().find(|v| !v.is_finite()) else { return Ok(()) };
+    let place = v.truncate() + origin;
+    Err(Error::Data(format!("the surface has no height at {:.3} {:.3}", place.x, place.y)))
 }
 
 /// Area-weighted normals. They point upwards where the triangles around a vertex give no direction. The first `ground`
@@ -167,6 +188,42 @@ fn normals(mesh: &Mesh, ground: usize) -> Vec<Vec3> {
 }
 
 impl Mesh {
+    /// The solid between an open shell and a flat bottom at a height, map coordinates. The bottom is a copy of the top without
+    /// relief. Walls go down along every border edge, including the edges of holes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the bottom is not below the lowest height. [`Error::Data`] if 32-bit indices cannot count the vertices.
+    pub fn closed(mut self, base: f64) -> Result<Self> {
+        let lowest = self.vertices.iter().fold(f64::INFINITY, |m, v| m.min(v.z)) + self.origin.z;
+        if !base.is_finite() || base >= lowest {
+            return Err(Error::Parameter(format!(
+                "the base is at {base} m, it must be below the lowest height of the surface, {lowest:.3} m"
+            )));
+        }
+        if self.vertices.len() > (UNSET / 2) as usize {
+            return Err(Error::Data("the solid has more vertices than 32-bit indices can count".into()));
+        }
+        let edges = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+        let all: HashSet<[u32; 2]> = self.triangles.iter().flat_map(edges).collect();
+        // The vertex below vertex v has the number v plus the number of vertices on top.
+        let (below, top) = (self.vertices.len() as u32, self.triangles.len());
+        self.vertices.extend_from_within(..);
+        self.vertices[below as usize..].iter_mut().for_each(|v| v.z = base - self.origin.z);
+        for t in 0..top {
+            let [a, b, c] = self.triangles[t].map(|v| v + below);
+            self.triangles.push([a, c, b]);
+        }
+        for t in 0..top {
+            for [u, v] in edges(&self.triangles[t]).into_iter().filter(|[u, v]| !all.contains(&[*v, *u])) {
+                self.triangles.push([v, u, u + below]);
+                self.triangles.push([v, u + below, v + below]);
+            }
+        }
+        self.base = Some(base);
+        self.normals = normals(&self, top);
+        Ok(self)
+    }
+
     /// The lower and the upper corner of the bounding box of the mesh, in map coordinates.
     pub fn extent(&self) -> (DVec3, DVec3) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -239,7 +296,7 @@ mod tests {
         shell.validate().unwrap();
         assert!((shell.plan_area() - 1600.0).abs() < 1e-6, "{}", shell.plan_area());
         assert!(shell.origin.truncate().distance(DVec2::new(400_000.0, 4_000_000.0)) < 50.0, "{}", shell.origin);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 2);
         assert!((solid.volume() - 1600.0 * 45.0).abs() < 1600.0 * 3.0, "{}", solid.volume());
@@ -250,7 +307,7 @@ mod tests {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let hole = ring(&[(-8.0, -8.0), (8.0, -8.0), (8.0, 8.0), (-8.0, 8.0)]);
         let surface = slope(vec![Polygon::new(square, vec![hole])]);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 0);
     }
@@ -264,7 +321,7 @@ mod tests {
         shell.validate().unwrap();
         let middle = DVec2::new(400_000.0, 4_000_000.0) - shell.origin.truncate();
         assert_eq!(shell.vertices.iter().filter(|v| v.truncate() == middle).count(), 2);
-        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0), ..MeshParams::default() }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 4, "two closed bodies");
     }
@@ -274,7 +331,7 @@ mod tests {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let surface = slope(vec![Polygon::new(square, vec![])]);
         for base in [30.0, f64::NAN, f64::NEG_INFINITY] {
-            let error = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap_err();
+            let error = mesh(&surface, None, &MeshParams { base: Some(base), ..MeshParams::default() }).unwrap_err();
             assert!(matches!(error, Error::Parameter(_)), "{error}");
         }
     }

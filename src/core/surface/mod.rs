@@ -26,6 +26,7 @@ mod sample;
 mod skeleton_lines;
 mod smooth_height;
 mod trial_builder;
+mod water_cells;
 mod whole;
 mod whole_map;
 
@@ -44,5 +45,6 @@ pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 #[doc(hidden)]
 pub use places::InOther;
 pub use sample::{heights, heights_on};
+pub use water_cells::water_cells;
 pub use whole::Whole;
 pub use whole_map::whole_map;

@@ -1,4 +1,4 @@
-//! Writes meshes: PLY, OBJ and binary glTF; and surfaces of triangles as LandXML and DXF. The file's extension selects the format.
+//! Writes meshes: PLY, OBJ and binary glTF; surfaces of triangles as LandXML and DXF; and solids to print as STL and 3MF. The file's extension selects the format.
 //!
 //! | name | axes | positions |
 //! |---|---|---|
@@ -8,6 +8,8 @@
 //!
 //! | `.xml` | LandXML 1.2, northing before easting | decimal, in map coordinates |
 //! | `.dxf` | z up | a 3DFACE for each triangle, in map coordinates |
+//! | `.stl` | z up | single precision, millimetres from the lower left corner |
+//! | `.3mf` | z up | decimal, millimetres from the lower left corner |
 //!
 //! Positions of `.ply` and `.obj` are in the unit of the mesh, those of `.glb` always in metres, which glTF prescribes.
 //!
@@ -21,6 +23,8 @@ mod glb;
 mod landxml;
 mod obj;
 mod ply;
+mod stl;
+mod threemf;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -35,12 +39,14 @@ use tokosen_core::mesh::Mesh;
 pub const MESH_EXTENSIONS: [&str; 3] = ["ply", "obj", "glb"];
 /// The extensions of [`write_mesh`] for surfaces in map coordinates, without walls.
 pub const SURFACE_EXTENSIONS: [&str; 2] = ["xml", "dxf"];
+/// The extensions of [`write_mesh`] for solids to print, in millimetres ([`Mesh::printed`]).
+pub const PRINT_EXTENSIONS: [&str; 2] = ["stl", "3mf"];
 
 /// Writes a mesh in the format of the extension of `path`.
 ///
 /// # Errors
-/// The extension is in neither [`MESH_EXTENSIONS`] nor [`SURFACE_EXTENSIONS`], a solid is to become a surface, the mesh is larger than the format can hold, or the operating system
-/// reports an error.
+/// The extension is in none of [`MESH_EXTENSIONS`], [`SURFACE_EXTENSIONS`] and [`PRINT_EXTENSIONS`], a solid is to become a surface or
+/// a shell is to be printed, the mesh is larger than the format can hold, or the operating system reports an error.
 pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match extension.as_str() {
@@ -49,6 +55,15 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
         "xml" | "dxf" if mesh.base.is_some() => {
             Err(Error::file(path, "a surface has no walls and no bottom: write a solid as .ply, .obj or .glb"))
         }
+        "stl" | "3mf" if mesh.base.is_none() => {
+            Err(Error::file(path, "a shell cannot be printed: close it to a solid"))
+        }
+        "stl" => {
+            let count = u32::try_from(mesh.triangles.len());
+            let count = count.map_err(|_| Error::file(path, "the mesh is too large for STL: use .3mf"))?;
+            create(path, |out| stl::write(out, mesh, count))
+        }
+        "3mf" => create(path, |out| threemf::write(out, mesh)),
         "xml" => create(path, |out| landxml::write(out, mesh)),
         "dxf" => create(path, |out| dxf::write(out, mesh)),
         "glb" => {
@@ -62,7 +77,7 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
             path,
             format!(
                 "no mesh format has this extension; meshes are written as {}",
-                [MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS].concat().join(", ")
+                [MESH_EXTENSIONS.as_slice(), &SURFACE_EXTENSIONS, &PRINT_EXTENSIONS].concat().join(", ")
             ),
         )),
     }

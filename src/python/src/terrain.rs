@@ -16,11 +16,11 @@ use tokosen::io::layer::{
 };
 use tokosen::io::raster::Quantity;
 use tokosen::layers::LayerParams;
-use tokosen::mesh::MeshParams;
+use tokosen::mesh::{Light, MeshParams};
 use tokosen::slice::label_layers;
 use tokosen::surface::{Triangles, working_pits};
-use tokosen::terrain::HeightMap;
-use tokosen::{Input, Options};
+use tokosen::terrain::{HeightMap, HtmlParams};
+use tokosen::{Input, Interval, Options};
 
 use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
@@ -213,13 +213,37 @@ impl Terrain {
     }
 
     /// A 3-D model; a solid if the height of its bottom is given.
-    #[pyo3(signature = (base, progress))]
-    fn mesh(&self, py: Python<'_>, base: Option<f64>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Model> {
+    #[pyo3(signature = (base, tolerance, cell, progress))]
+    fn mesh(
+        &self,
+        py: Python<'_>,
+        base: Option<f64>,
+        tolerance: Option<f64>,
+        cell: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Model> {
+        let light = tolerance.map(|tolerance| Light { tolerance, cell });
         work(py, progress, |_| {
-            let mesh = self.terrain.mesh(&MeshParams { base })?;
+            let mesh = self.terrain.mesh(&MeshParams { base, light })?;
             Ok(mesh.in_drawing(&self.terrain.reprojection).unwrap_or(mesh))
         })
         .map(Model)
+    }
+
+    /// A page that shows the terrain in 3-D.
+    #[pyo3(signature = (title, interval, tolerance, cell, progress))]
+    fn html(
+        &self,
+        py: Python<'_>,
+        title: String,
+        interval: Option<f64>,
+        tolerance: Option<f64>,
+        cell: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let target = interval.map(|step| Interval::every(step).into());
+        let params = HtmlParams { title, target, tolerance, cell, ..HtmlParams::default() };
+        work(py, progress, |progress| self.terrain.to_html(&params, progress))
     }
 
     /// The pits that are left in the smooth surface or, if cells are given, in the height map of these cells.

@@ -18,12 +18,13 @@ NO_ARGUMENTS = {
 # Names that differ: a flag that switches something off is an argument that is true.
 RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}
 # Flags whose work is another function or a method of the result: `Dem.to_file` has the unit of a height map, and a `Dem` its
-# own system.
+# own system. `Terrain.to_html` makes the page of a model; models to print are made by the program.
 LEFT_OUT = {
     "dem": {"to-unit"},
     "contour": {"crs"},
     "densify": {"dem", "cell", "cell-degrees", "like", "compare"},
     "skeleton": {"triangles", "curve-mesh"},
+    "mesh": {"interval", "uncertainty", "size", "exaggeration"},
     "derive": {
         "slope", "aspect", "hillshade", "steep", "flow-direction", "flow-accumulation", "catchments", "cell", "cell-degrees",
         "like", "to-crs",

@@ -291,14 +291,48 @@ class Terrain:
         names = known.__optional_keys__  # type: ignore[attr-defined]
         return options({name: value for name, value in self._given.items() if name in names}, known)
 
-    def mesh(self, base_height: float | None = None, *, progress: Progress = None) -> Mesh:
+    def mesh(
+        self,
+        base_height: float | None = None,
+        *,
+        tolerance: float | None = None,
+        cell: float | None = None,
+        progress: Progress = None,
+    ) -> Mesh:
         """A 3-D model of the surface; a closed solid if the height of its flat bottom is given, metres.
 
-        >>> tokosen.Terrain(tokosen.example()).mesh().is_solid
+        With a `tolerance`, it has few triangles, none further than this from the surface at the centre of a cell of size `cell`,
+        metres.
+
+        >>> terrain = tokosen.Terrain(tokosen.example())
+        >>> terrain.mesh().is_solid
         False
+        >>> len(terrain.mesh(tolerance=1).triangles) < len(terrain.mesh().triangles)
+        True
+        """
+        if cell is not None and tolerance is None:
+            raise ParameterError("cell has a meaning only with a tolerance")
+        with reporting(progress) as report:
+            return Mesh(self._terrain.mesh(base_height, tolerance, cell, report))
+
+    def to_html(
+        self,
+        interval: float | None = None,
+        *,
+        title: str = "",
+        tolerance: float | None = None,
+        cell: float | None = None,
+        progress: Progress = None,
+    ) -> str:
+        """A page that shows the terrain in 3-D, with new contours at an interval in metres if it is given.
+
+        One HTML file, which a browser opens from disk. Expected errors are in it if the terrain was built with `uncertainty`.
+
+        >>> page = tokosen.Terrain(tokosen.example()).to_html(5, title="hill")
+        >>> _ = (folder / "hill.html").write_text(page, encoding="utf-8")
         """
         with reporting(progress) as report:
-            return Mesh(self._terrain.mesh(base_height, report))
+            return self._terrain.html(title, interval, tolerance, cell, report)
 
     def pits(
         self, *, cell: float | None = None, like: Any = None, output: Output = None, progress: Progress = None

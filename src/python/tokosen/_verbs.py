@@ -100,13 +100,22 @@ def dem(
         return Dem(terrain._terrain.dem(grid, report))
 
 
-def mesh(contours: Any, base_height: float | None = None, *, progress: Progress = None, **given: Unpack[SurfaceOptions]) -> Mesh:
+def mesh(
+    contours: Any,
+    base_height: float | None = None,
+    *,
+    tolerance: float | None = None,
+    cell: float | None = None,
+    progress: Progress = None,
+    **given: Unpack[SurfaceOptions],
+) -> Mesh:
     """A 3-D model, as the command `tokosen mesh`; a solid if the height of its flat bottom is given.
 
     >>> tokosen.mesh(tokosen.example(), 0).is_solid
     True
     """
-    return Terrain(contours, progress=progress, **given).mesh(base_height, progress=progress)
+    terrain = Terrain(contours, cell=cell, progress=progress, **given)
+    return terrain.mesh(base_height, tolerance=tolerance, cell=cell, progress=progress)
 
 
 def regions(

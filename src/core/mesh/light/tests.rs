@@ -1,0 +1,95 @@
+use super::*;
+use crate::base::Grid;
+
+/// Hills with a hollow, on cells of another size in x than in y, far from zero.
+fn hills(cols: usize, rows: usize) -> Dem {
+    let grid = Grid { corner: DVec2::new(500_000.0, 4_000_000.0), cell: DVec2::new(5.0, 8.0), cols, rows };
+    let height = |k: usize| {
+        let (x, y) = ((k % cols) as f64, (k / cols) as f64);
+        let bumps = (x / 7.0).sin() * (y / 11.0).cos() * 30.0 + (x * y / 900.0).sin() * 4.0;
+        (bumps + if x > 40.0 && y > 30.0 { 12.0 } else { 0.0 }) as f32
+    };
+    Dem { grid, values: (0..cols * rows).map(height).collect(), crs: None }
+}
+
+/// Two triangles between the corners of a polygon without holes.
+fn ground(dem: &Dem, corners: &[(f64, f64)]) -> Tin {
+    let grid = &dem.grid;
+    let first = grid.center(0, 0);
+    let points: Vec<DVec2> = corners.iter().map(|&(col, row)| first + DVec2::new(col, -row) * grid.cell).collect();
+    let mut input = TinInput::new([points[0], points[0] + 1000.0], -1.0);
+    points.iter().for_each(|p| {
+        input.push(*p, 5.0, VertexKind::Frame);
+    });
+    triangulate(&input).unwrap()
+}
+
+/// The largest error at the cells inside, each compared with every triangle that covers it; and how many were covered.
+fn brute_force(tin: &Tin, dem: &Dem) -> (f64, usize) {
+    let (mut worst, mut covered) = (0.0_f64, 0);
+    for (k, &height) in dem.values.iter().enumerate().filter(|(_, h)| h.is_finite()) {
+        let p = dem.grid.center(k % dem.grid.cols, k / dem.grid.cols) - tin.origin;
+        let over: Vec<u32> = (0..tin.len() as u32).filter(|&t| tin.weights(t, p).iter().all(|w| *w >= -1e-9)).collect();
+        covered += usize::from(!over.is_empty());
+        for t in over {
+            let own: f64 = tin.weights(t, p).iter().zip(tin.corner_heights(t)).map(|(w, h)| w * h).sum();
+            worst = worst.max((own - f64::from(height)).abs());
+        }
+    }
+    (worst, covered)
+}
+
+fn area(tin: &Tin) -> f64 {
+    let doubled = |t: u32| {
+        let [a, b, c] = tin.corners(t);
+        assert!((b - a).perp_dot(c - a) > 0.0, "triangle {t} is turned over");
+        (b - a).perp_dot(c - a)
+    };
+    (0..tin.len() as u32).map(doubled).sum::<f64>() / 2.0
+}
+
+#[test]
+fn no_cell_is_further_than_the_tolerance() {
+    let dem = hills(70, 50);
+    // The corners of the first are centres of cells; the second cuts cells anyhow, in an irregular hexagon.
+    let rectangle = [(0.0, 0.0), (0.0, 49.0), (69.0, 49.0), (69.0, 0.0)];
+    let hexagon = [(3.3, 20.1), (10.7, 44.9), (40.2, 48.6), (66.6, 30.3), (51.4, 2.2), (20.5, 1.7)];
+    for corners in [&rectangle[..], &hexagon] {
+        let base = ground(&dem, corners);
+        let mut before = usize::MAX;
+        for tolerance in [0.05, 0.5, 5.0] {
+            let few = light(&base, &dem, tolerance).unwrap();
+            let (worst, covered) = brute_force(&few, &dem);
+            assert!(worst <= tolerance + 1e-6, "{worst} > {tolerance}");
+            assert_eq!(covered, brute_force(&base, &dem).1);
+            assert!((area(&few) / area(&base) - 1.0).abs() < 1e-9);
+            assert!(few.len() < before && few.len() > 4, "{} triangles", few.len());
+            before = few.len();
+        }
+    }
+}
+
+#[test]
+fn cells_without_a_height_ask_for_nothing() {
+    let mut dem = hills(20, 20);
+    dem.values.iter_mut().for_each(|height| *height = 5.0);
+    dem.values[7 * 20 + 7] = f32::NAN;
+    let base = ground(&dem, &[(0.0, 0.0), (0.0, 19.0), (19.0, 19.0), (19.0, 0.0)]);
+    assert_eq!(light(&base, &dem, 0.1).unwrap().len(), 2);
+    assert!(light(&base, &dem, 0.0).is_err() && light(&base, &dem, f64::NAN).is_err());
+}
+
+#[test]
+fn an_outline_keeps_its_corners_and_its_heights() {
+    let dem = hills(20, 20);
+    let corners =
+        [(2.0, 2.0), (2.0, 17.0), (17.0, 17.0), (17.0, 9.5), (17.0, 2.0)].map(|(x, y)| DVec3::new(x, -y, 0.0));
+    let mut ring = corners.to_vec();
+    let border: Vec<[u32; 2]> = (0..5).map(|k| [k, (k + 1) % 5]).collect();
+    let place = |v: DVec3| v.truncate();
+    let kept = |ring: &[DVec3]| rings(ring, &border, &place, 0.1)[0].len();
+    assert_eq!(kept(&ring), 4, "the vertex on the straight side is not needed");
+    ring[3].z = 0.2;
+    assert_eq!(kept(&ring), 5);
+    assert!(height_at(&dem, DVec2::new(-1.0, 0.0)).is_none() && height_at(&dem, DVec2::new(19.0, -19.0)).is_some());
+}
