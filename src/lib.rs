@@ -151,8 +151,8 @@ pub mod tiling;
 
 #[doc(inline)]
 pub use tokosen_core::{
-    arrays, base, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster, resample, skeleton,
-    slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
+    arrays, bands, base, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster, resample,
+    skeleton, slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
 };
 #[cfg(feature = "draw")]
 #[doc(inline)]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use geo::MultiPolygon;
+use tokosen::bands::bands_of_height_map;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
 use tokosen::crs::{Crs, Reprojection};
@@ -102,8 +103,11 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let unit = args.levels.to_unit.unit();
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    args.check(&names, console)?;
+    let band_names = args.levels.bands.names(&targets, unit);
+    let band_names: Vec<&str> = band_names.iter().map(String::as_str).collect();
+    args.check(&names, &band_names, console)?;
     let staged = tiles::open(&args.output)?;
+    let band_output = args.levels.bands.open()?;
     let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
     let attribution = args.viewer.attribution.as_deref();
     let mut picture = Asked::Map(&args.picture).open(&console.flags)?;
@@ -156,6 +160,16 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             write_layers_back(&staged, &all, &back)
         })?,
     };
+    let bands = match &band_output {
+        Some(output) => console.step("bands", || {
+            let mut areas = Vec::with_capacity(found.layers.len());
+            for (target, layer) in params.targets.iter().zip(&found.layers) {
+                areas.push(bands_of_height_map(&dem, layer, target, unit, part.as_ref()).collect(&mut findings));
+            }
+            output.write(&band_names, &areas, &back)
+        })?,
+        None => Vec::new(),
+    };
     if let Some(picture) = &mut picture {
         let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
         let lines = finest.map_or(&[][..], |layer| &layer.lines);
@@ -183,6 +197,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             console.warn(&format!("layer {name} has no line: {why}"));
         }
     }
+    band_output.map(|output| output.commit(&bands, console)).transpose()?;
     viewer.map(|viewer| viewer.commit(console)).transpose()?;
     picture.map(|picture| picture.commit(console)).transpose()?;
     summary::close(findings.len(), console);
@@ -191,7 +206,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
 
 impl ContourArgs {
     /// Checks what can be checked before anything is read.
-    fn check(&self, layers: &[&str], console: &Console) -> Result<(), Failure> {
+    fn check(&self, layers: &[&str], bands: &[&str], console: &Console) -> Result<(), Failure> {
         if let Some(bad) = self.tolerance.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--tolerance is {bad}, it must be 0 or more")));
         }
@@ -202,6 +217,8 @@ impl ContourArgs {
         self.viewer.check(&[&self.output])?;
         let files = tiles::files(&self.output, layers)?;
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
+        let files = self.levels.bands.files(bands, &self.levels.to_crs)?;
+        let contours = contours.chain(files.iter().map(|path| PlannedOutput { path, layers: bands }));
         let others = [&self.picture.preview, &self.viewer.viewer].into_iter().flatten();
         let outputs: Vec<PlannedOutput<'_>> = contours.chain(others.map(|path| path.as_path().into())).collect();
         let areas = self.part.file().into_iter().chain(self.frame.iter().map(|source| source.path.as_path()));

@@ -4,6 +4,7 @@
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
 mod address_space;
+mod bands;
 mod base;
 mod check;
 mod compare;

@@ -19,7 +19,7 @@ pub use blocks::each_pair;
 pub(crate) use gradient::gradient_at;
 #[doc(hidden)]
 pub use ground::other_unit;
-pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
+pub use ground::{GroundScale, equal_area, in_plane_unit, looks_like_degrees, metres_per_unit};
 pub use height_map::Dem;
 pub use in_unit::InUnit;
 #[doc(hidden)]
