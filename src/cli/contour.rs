@@ -8,7 +8,7 @@ use geo::MultiPolygon;
 use tokosen::bands::bands_of_height_map;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
-use tokosen::crs::{Crs, Reprojection};
+use tokosen::crs::{Crs, HeightSystem, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::Scene;
 use tokosen::io::raster::read_dem;
@@ -23,6 +23,7 @@ use super::part::PartArgs;
 use super::picture::{Asked, Drawing, PictureArgs};
 use super::source::source;
 use super::unit::in_units;
+use super::vertical_shift::ShiftArgs;
 use super::viewer::{ViewerArgs, title};
 use super::{memory, plane, summary, tiles};
 
@@ -49,6 +50,8 @@ pub struct ContourArgs {
     /// Height map (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報
     #[arg(help_heading = "Input")]
     dem: PathBuf,
+    #[command(flatten, next_help_heading = "Input")]
+    shift: ShiftArgs,
     /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
     crs: Option<Crs>,
@@ -106,6 +109,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let band_names = args.levels.bands.names(&targets, unit);
     let band_names: Vec<&str> = band_names.iter().map(String::as_str).collect();
     args.check(&names, &band_names, console)?;
+    let shift = args.shift.read()?;
     let staged = tiles::open(&args.output)?;
     let band_output = args.levels.bands.open()?;
     let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
@@ -117,10 +121,13 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     console.plan(["tracing", "writing"]);
     console.plan(picture.as_ref().map(|_| "drawing"));
     let read = console.step("reading", || read_dem(&args.dem))?;
-    let (mut dem, mut findings) = (read.value.dem, read.findings);
+    let (mut dem, height_system, mut findings) = (read.value.dem, read.value.height_system, read.findings);
     if let Some(crs) = &args.crs {
         dem.crs = Some(crs.clone());
         findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
+    }
+    if let Some(shift) = shift {
+        findings.extend(shift.apply(&mut dem)?);
     }
     let dem = match &args.frame {
         Some(source) => {
@@ -178,7 +185,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&findings, console);
-    args.describe(&dem, &found, console);
+    args.describe(&dem, height_system.as_ref(), &found, console);
     staged.commit()?;
     if let Some(written) = &map_tiles {
         tiles::describe(&args.output, written, unit.symbol(), console);
@@ -213,6 +220,7 @@ impl ContourArgs {
         if let Some(bad) = self.smooth.filter(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
         }
+        self.shift.check()?;
         tiles::check(&self.output, &self.levels)?;
         self.viewer.check(&[&self.output])?;
         let files = tiles::files(&self.output, layers)?;
@@ -222,7 +230,7 @@ impl ContourArgs {
         let others = [&self.picture.preview, &self.viewer.viewer].into_iter().flatten();
         let outputs: Vec<PlannedOutput<'_>> = contours.chain(others.map(|path| path.as_path().into())).collect();
         let areas = self.part.file().into_iter().chain(self.frame.iter().map(|source| source.path.as_path()));
-        let areas = areas.chain(Asked::Map(&self.picture).font());
+        let areas = areas.chain(Asked::Map(&self.picture).font()).chain(self.shift.file());
         console.check_paths(&[self.dem.as_path()].into_iter().chain(areas).collect::<Vec<_>>(), &outputs)?;
         if content(&self.dem)? == Content::Contours {
             let message = "holds contour lines, not heights; 'tokosen densify' makes denser contours of them, 'tokosen dem' a \
@@ -232,10 +240,12 @@ impl ContourArgs {
         Ok(())
     }
 
-    fn describe(&self, dem: &Dem, found: &DemContours, console: &Console) {
+    fn describe(&self, dem: &Dem, heights: Option<&HeightSystem>, found: &DemContours, console: &Console) {
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", self.dem.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
+        let heights = heights.map_or("unknown: the input does not name their system", |system| system.name.as_str());
+        console.say(&format!("heights    {heights}"));
         let units = Units::all(self.levels.to_unit.unit());
         if let (Some(change), Some(deviation)) = (&found.smoothing, self.smooth) {
             console.say(&format!(

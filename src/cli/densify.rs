@@ -181,7 +181,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         })?,
         None => Vec::new(),
     };
-    let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
+    let map = dem_output.as_ref().map(|output| output.write(&terrain, None, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;

@@ -54,6 +54,7 @@ mod surface;
 mod terrain_tiles;
 mod tiles;
 mod unit;
+mod vertical_shift;
 mod viewer;
 mod volume;
 mod work;

@@ -19,6 +19,7 @@ pages! {
     denser_contours = "denser_contours.md",
     height_maps = "height_maps.md",
     height_map_contours = "height_map_contours.md",
+    bands = "bands.md",
     coordinates = "coordinates.md",
     base_map = "base_map.md",
     checking = "checking.md",

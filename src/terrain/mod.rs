@@ -13,6 +13,7 @@ mod facade;
 mod files;
 mod grid;
 mod height_map;
+mod height_systems;
 mod input;
 #[cfg(feature = "io")]
 mod json;
@@ -54,6 +55,7 @@ pub use facade::Terrain;
 pub use files::read_check_points;
 pub use grid::GridSpec;
 pub use height_map::HeightMap;
+pub use height_systems::height_systems_differ;
 pub use input::{Input, InputOptions};
 #[cfg(feature = "io")]
 pub use json::{check_json, comparison_json};

@@ -9,6 +9,7 @@ mod in_unit;
 mod part;
 mod rasterise;
 mod rows;
+mod shift_grid;
 
 #[doc(hidden)]
 pub use blocks::Block;
@@ -31,3 +32,4 @@ pub use rows::reserve;
 #[doc(hidden)]
 pub use rows::uniform;
 pub use rows::{RasterRows, WithCrs};
+pub use shift_grid::{ShiftGrid, ShiftWay};

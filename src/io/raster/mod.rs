@@ -35,6 +35,7 @@ mod png;
 mod png_read;
 mod quantity;
 mod read;
+mod shift_grid;
 mod sidecar;
 mod xyz;
 mod xyz_read;
@@ -53,6 +54,7 @@ use tokosen_core::raster::{Dem, RasterRows};
 pub use picture::{picture_bytes, write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
 pub use read::{DemFile, DemRows, READABLE_EXTENSIONS, open_dem, read_dem, read_grid, read_standard_errors};
+pub use shift_grid::{SHIFT_EXTENSIONS, read_shift_grid};
 
 /// The extensions that [`write_dem`] accepts, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];

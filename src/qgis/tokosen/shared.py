@@ -256,6 +256,15 @@ LABELS = yes(
     advanced=True,
     help="A GeoPackage gets a layer labels, a DXF gets texts. The style of the result has labels without this option.",
 )
+BANDS = vector_output(
+    "--bands",
+    "Areas between the lines",
+    POLYGONS,
+    name="BANDS",
+    optional=True,
+    style="bands",
+    help="Polygons with the levels below and above. Where they meet, they have the vertices of the lines.",
+)
 TO_CRS = crs(
     "--to-crs",
     "Coordinate reference system of the result",

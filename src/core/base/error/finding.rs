@@ -243,6 +243,10 @@ kinds! {
     SeamEnd = "seam-end", Warning, "new contours that end at the border of a tile";
     /// Tiles disagree about the side of a contour on which the ground is higher.
     SeamSides = "seam-sides", Warning, "contours whose higher side differs between tiles";
+    /// Inputs are in different height systems. Their heights were used as they are.
+    MixedHeights = "mixed-heights", Warning, "different height systems treated as one";
+    /// An input names no height system, and another one does.
+    UnknownHeights = "unknown-heights", Note, "height systems that are not named";
     /// Heights are in another unit than metres.
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
     /// A picture in colour does not state how its colours become heights. It is read as an elevation tile of GSI.

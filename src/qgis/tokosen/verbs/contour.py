@@ -54,5 +54,6 @@ index contour (is_index), a depression contour (depression) and closed (closed).
         shared.TO_CRS,
         shared.TO_UNIT,
         vector_output("--output", "Contours", LINES, style="contours"),
+        shared.BANDS,
         shared.PREVIEW,
     ]
