@@ -21,6 +21,7 @@ pages! {
     height_map_contours = "height_map_contours.md",
     bands = "bands.md",
     coordinates = "coordinates.md",
+    height_systems = "height_systems.md",
     base_map = "base_map.md",
     checking = "checking.md",
     when_a_map_looks_wrong = "when_a_map_looks_wrong.md",

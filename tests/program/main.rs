@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bands;
 mod base;
 mod break_lines;
 mod check;
@@ -24,6 +25,7 @@ mod flow;
 mod geopackage_locks;
 mod geoparquet;
 mod guide_pages;
+mod height_systems;
 mod hulls;
 mod labels;
 mod maps;

@@ -280,6 +280,15 @@ TO_UNIT = choice(
 )
 
 PREVIEW = file_output("--preview", "Picture of the result", PICTURE, advanced=True)
+SHIFT = [
+    text(
+        "--vertical-shift",
+        "File with a grid of shifts between height systems",
+        advanced=True,
+        help="Its values are added to the heights: .gtx, .tif in degrees, .isg, or .par of the Geospatial Information Authority of Japan.",
+    ),
+    yes("--vertical-shift-inverse", "Take the values of the grid off the heights instead", advanced=True),
+]
 DIAGNOSTICS = vector_output(
     "--diagnostics",
     "Diagnostics",
