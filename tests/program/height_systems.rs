@@ -36,7 +36,7 @@ fn spots(name: &str) -> String {
 
 /// A height map of 95 m around the hill, with a system of heights in its .prj file.
 fn height_map(folder: &Folder, stem: &str, crs: &str) {
-    let rows = ["95 ".repeat(30); 30].join("\n");
+    let rows = vec!["95 ".repeat(30); 30].join("\n");
     let text =
         format!("ncols 30\nnrows 30\nxllcorner 599700\nyllcorner 6649700\ncellsize 20\nNODATA_value -9999\n{rows}\n");
     fs::write(folder.path(&format!("{stem}.asc")), text).unwrap();

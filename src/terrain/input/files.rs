@@ -79,7 +79,9 @@ impl Input {
             let SpotHeights { points, sigmas, crs, unit_hint, stated_unit } =
                 read_spot_heights(path, &self.reading(source))?.collect(&mut about);
             self.take_findings(about, crs.as_ref()).map_err(|error| error.in_file(path))?;
-            self.note_heights(&path.display(), crs.as_ref().and_then(Crs::height_system).as_ref());
+            if let Some(system) = crs.as_ref().and_then(Crs::height_system) {
+                self.note_heights(&path.display(), Some(&system));
+            }
             let spots = points.into_iter().zip(sigmas.into_iter().map(|own| own.or(sigma)));
             let signs = Signs { stated: stated_unit.as_ref(), hint: unit_hint.as_ref() };
             let added = self.add_spots_with(spots, crs.as_ref(), signs);
