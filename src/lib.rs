@@ -151,7 +151,7 @@ pub mod tiling;
 
 #[doc(inline)]
 pub use tokosen_core::{
-    arrays, base, cartography, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster,
+    arrays, bands, base, cartography, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster,
     resample, skeleton, slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
 };
 #[cfg(feature = "draw")]

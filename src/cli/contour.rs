@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use geo::MultiPolygon;
+use tokosen::bands::bands_of_height_map;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
 use tokosen::cartography::{Ground, OfInput, mean_slope};
-use tokosen::crs::{Crs, Reprojection};
+use tokosen::crs::{Crs, HeightSystem, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::Scene;
 use tokosen::io::raster::read_dem;
@@ -24,6 +25,7 @@ use super::part::PartArgs;
 use super::picture::{Asked, Drawing, PictureArgs, scale_of_lines};
 use super::source::source;
 use super::unit::in_units;
+use super::vertical_shift::ShiftArgs;
 use super::viewer::{ViewerArgs, title};
 use super::{memory, plane, summary, tiles};
 
@@ -51,6 +53,8 @@ pub struct ContourArgs {
     /// Height map (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報
     #[arg(help_heading = "Input")]
     dem: PathBuf,
+    #[command(flatten, next_help_heading = "Input")]
+    shift: ShiftArgs,
     /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
     crs: Option<Crs>,
@@ -108,8 +112,12 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let plan = args.for_map.plan(&args.output, &args.levels, &targets, &args.picture)?;
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    args.check(&names, console)?;
+    let band_names = args.levels.bands.names(&targets, unit);
+    let band_names: Vec<&str> = band_names.iter().map(String::as_str).collect();
+    args.check(&names, &band_names, console)?;
+    let shift = args.shift.read()?;
     let staged = tiles::open(&args.output)?;
+    let band_output = args.levels.bands.open()?;
     let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
     let attribution = args.viewer.attribution.as_deref();
     let mut picture = Asked::MapOfLines(&args.picture).open(&console.flags)?;
@@ -121,10 +129,13 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     console.plan(["writing"]);
     console.plan(picture.as_ref().map(|_| "drawing"));
     let read = console.step("reading", || read_dem(&args.dem))?;
-    let (mut dem, mut findings) = (read.value.dem, read.findings);
+    let (mut dem, height_system, mut findings) = (read.value.dem, read.value.height_system, read.findings);
     if let Some(crs) = &args.crs {
         dem.crs = Some(crs.clone());
         findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
+    }
+    if let Some(shift) = shift {
+        findings.extend(shift.apply(&mut dem)?);
     }
     let dem = match &args.frame {
         Some(source) => {
@@ -169,6 +180,16 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             write_layers_back(&staged, &all, &back)
         })?,
     };
+    let bands = match &band_output {
+        Some(output) => console.step("bands", || {
+            let mut areas = Vec::with_capacity(found.layers.len());
+            for (target, layer) in params.targets.iter().zip(&found.layers) {
+                areas.push(bands_of_height_map(&dem, layer, target, unit, part.as_ref()).collect(&mut findings));
+            }
+            output.write(&band_names, &areas, &back)
+        })?,
+        None => Vec::new(),
+    };
     if let Some(picture) = &mut picture {
         let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
         let lines = finest.map_or(&[][..], |layer| &layer.lines);
@@ -177,7 +198,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&findings, console);
-    args.describe(&dem, &found, console);
+    args.describe(&dem, height_system.as_ref(), &found, console);
     staged.commit()?;
     if let Some(written) = &map_tiles {
         tiles::describe(&args.output, written, unit.symbol(), console);
@@ -197,6 +218,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             console.warn(&format!("layer {name} has no line: {why}"));
         }
     }
+    band_output.map(|output| output.commit(&bands, console)).transpose()?;
     viewer.map(|viewer| viewer.commit(console)).transpose()?;
     picture.map(|picture| picture.commit(console)).transpose()?;
     summary::close(findings.len(), console);
@@ -205,21 +227,24 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
 
 impl ContourArgs {
     /// Checks what can be checked before anything is read.
-    fn check(&self, layers: &[&str], console: &Console) -> Result<(), Failure> {
+    fn check(&self, layers: &[&str], bands: &[&str], console: &Console) -> Result<(), Failure> {
         if let Some(bad) = self.tolerance.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--tolerance is {bad}, it must be 0 or more")));
         }
         if let Some(bad) = self.smooth.filter(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
         }
+        self.shift.check()?;
         tiles::check(&self.output, &self.levels)?;
         self.viewer.check(&[&self.output])?;
         let files = tiles::files(&self.output, layers)?;
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
+        let files = self.levels.bands.files(bands, &self.levels.to_crs)?;
+        let contours = contours.chain(files.iter().map(|path| PlannedOutput { path, layers: bands }));
         let others = [&self.picture.preview, &self.viewer.viewer].into_iter().flatten();
         let outputs: Vec<PlannedOutput<'_>> = contours.chain(others.map(|path| path.as_path().into())).collect();
         let areas = self.part.file().into_iter().chain(self.frame.iter().map(|source| source.path.as_path()));
-        let areas = areas.chain(Asked::Map(&self.picture).font());
+        let areas = areas.chain(Asked::Map(&self.picture).font()).chain(self.shift.file());
         console.check_paths(&[self.dem.as_path()].into_iter().chain(areas).collect::<Vec<_>>(), &outputs)?;
         if content(&self.dem)? == Content::Contours {
             let message = "holds contour lines, not heights; 'tokosen densify' makes denser contours of them, 'tokosen dem' a \
@@ -229,10 +254,12 @@ impl ContourArgs {
         Ok(())
     }
 
-    fn describe(&self, dem: &Dem, found: &DemContours, console: &Console) {
+    fn describe(&self, dem: &Dem, heights: Option<&HeightSystem>, found: &DemContours, console: &Console) {
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", self.dem.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
+        let heights = heights.map_or("unknown: the input does not name their system", |system| system.name.as_str());
+        console.say(&format!("heights    {heights}"));
         let units = Units::all(self.levels.to_unit.unit());
         if let (Some(change), Some(deviation)) = (&found.smoothing, self.smooth) {
             console.say(&format!(

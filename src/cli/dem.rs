@@ -22,6 +22,7 @@ use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::{ABOUT_PITS, SurfaceArgs};
 use super::unit::ToUnitArgs;
+use super::vertical_shift::ShiftArgs;
 use super::viewer::ViewerArgs;
 
 /// A height map (DEM) from contour lines
@@ -47,6 +48,8 @@ pub struct DemArgs {
     engine: EngineArgs,
     #[command(flatten, next_help_heading = "Output")]
     base: BaseArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    shift: ShiftArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -86,18 +89,20 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
         args.output.iter().try_for_each(|path| args.height_map.check(path, crs, args.to_unit.unit()))?;
     }
     args.surface.check(&console.flags)?;
+    args.shift.check()?;
     let paths: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
     args.viewer.check(&paths)?;
     let beside: Vec<PathBuf> = match &engine {
         Some(_) => args.output.iter().map(|path| path.with_extension("json")).collect(),
         None => args.output.iter().filter_map(|path| args.height_map.stac_item(path)).collect(),
     };
-    let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
+    let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file(), args.shift.file()];
     let inputs = others.into_iter().flatten().chain(args.surface.files());
     let outputs = args.output.iter().chain(&args.viewer.viewer).chain(&beside).map(|path| path.as_path().into());
     let outputs = outputs.chain(args.diagnostics.planned());
     let mut job = Job::start(&args.input, inputs, outputs, Asked::Map(&args.picture), console)?;
     console.plan(["writing"]);
+    let shift = args.shift.read()?;
     let diagnostics = args.diagnostics.open()?;
     let viewer = args.viewer.open(&paths, &args.input.map.title())?;
     let attribution = args.viewer.attribution.as_deref();
@@ -121,7 +126,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let mut maps = Vec::new();
     for output in &outputs {
-        let Report { value, findings } = output.write(&terrain, console)?;
+        let Report { value, findings } = output.write(&terrain, shift.as_ref(), console)?;
         // The findings are about the heights, which are the same in each file.
         if maps.is_empty() {
             terrain.findings.extend(findings);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::bands::bands_of_surface;
 use tokosen::base::error::{Error, Finding};
 use tokosen::base::{ElevationUnit, Units};
 use tokosen::cartography::slope_between;
@@ -112,7 +113,10 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = tiles::files(&args.output, &names)?;
-    let mut job = args.start(&files, &names, console)?;
+    let band_names = args.levels.bands.names(&targets, unit);
+    let band_names: Vec<&str> = band_names.iter().map(String::as_str).collect();
+    let band_files = args.levels.bands.files(&band_names, &args.levels.to_crs)?;
+    let mut job = args.start([(&files, &names), (&band_files, &band_names)], console)?;
     console.plan(["slicing"]);
     console.plan(plan.map(|_| "choosing"));
     console.plan(["writing"]);
@@ -125,6 +129,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         .map(|path| DemOutput::open(path, &args.height_map, args.levels.to_crs.to_crs.as_ref(), unit, attribution))
         .transpose()?;
     let diagnostics = args.diagnostics.open()?;
+    let band_output = args.levels.bands.open()?;
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
@@ -181,7 +186,17 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
             write_layers_back(&staged, &all, &back)
         })?,
     };
-    let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
+    let bands = match &band_output {
+        Some(output) => console.step("bands", || {
+            let mut areas = Vec::with_capacity(layers.len());
+            for (target, layer) in targets.iter().zip(&layers) {
+                areas.push(bands_of_surface(&terrain.surface, layer, target, unit).collect(&mut terrain.findings));
+            }
+            output.write(&band_names, &areas, &back)
+        })?,
+        None => Vec::new(),
+    };
+    let map = dem_output.as_ref().map(|output| output.write(&terrain, None, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
@@ -210,6 +225,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         for_map::describe(map_params.as_ref(), &count.unwrap_or_default(), console);
         args.explain_coarse(&traced[k], terrain.surface.interval.step, console);
     }
+    band_output.map(|output| output.commit(&bands, console)).transpose()?;
     diagnostics.map(|file| file.commit(console)).transpose()?;
     if let (Some(output), Some(map)) = (dem_output, &map) {
         output.commit(map, console)?;
@@ -288,12 +304,12 @@ impl DensifyArgs {
         Ok(is_plain && surface.surface == KindArg::Spline && are_given(&input.map, targets, unit)?)
     }
 
-    /// Checks the paths of all files; `files` and `layers` are those of the contours.
-    fn start<'a>(&'a self, files: &[PathBuf], layers: &[&str], console: &'a Console) -> Result<Job<'a>, Failure> {
+    /// Checks the paths of all files. `layers` are the files of contours and bands, with the layers in them.
+    fn start<'a>(&'a self, layers: [(&Vec<PathBuf>, &Vec<&str>); 2], console: &'a Console) -> Result<Job<'a>, Failure> {
         let item = self.dem.as_deref().and_then(|path| self.height_map.stac_item(path));
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
-        let contours = files.iter().map(|path| PlannedOutput { path, layers });
-        let outputs = contours.chain(
+        let planned = layers.into_iter().flat_map(|(files, layers)| files.iter().map(move |path| (path, layers)));
+        let outputs = planned.map(|(path, layers)| PlannedOutput { path, layers }).chain(
             [&self.dem, &self.report, &self.viewer.viewer].into_iter().flatten().map(|path| path.as_path().into()),
         );
         let outputs = outputs.chain(self.diagnostics.planned()).chain(item.as_deref().map(PlannedOutput::from));

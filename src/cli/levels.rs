@@ -8,6 +8,7 @@ use tokosen::crs::FromWorking;
 use tokosen::io::layer::{Layer, labels_layer, of_contours, of_labels};
 use tokosen::slice::Label;
 
+use super::bands::BandArgs;
 use super::failure::Failure;
 use super::labels::LabelArgs;
 use super::plane::ToCrsArgs;
@@ -40,6 +41,8 @@ pub struct LevelsArgs {
     pub zooms: ZoomArgs,
     #[command(flatten)]
     pub labels: LabelArgs,
+    #[command(flatten)]
+    pub bands: BandArgs,
     #[command(flatten)]
     pub to_crs: ToCrsArgs,
     #[command(flatten)]

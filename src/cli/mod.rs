@@ -4,6 +4,7 @@
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
 mod address_space;
+mod bands;
 mod base;
 mod check;
 mod compare;
@@ -55,6 +56,7 @@ mod surface;
 mod terrain_tiles;
 mod tiles;
 mod unit;
+mod vertical_shift;
 mod viewer;
 mod volume;
 mod work;

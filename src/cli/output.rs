@@ -22,6 +22,7 @@ use super::engine::{self, ForEngine};
 use super::failure::Failure;
 use super::terrain_tiles::{self, TerrainTileArgs};
 use super::unit::of_drawing;
+use super::vertical_shift::Shift;
 
 /// The flags that ask for a grid.
 pub const ABOUT_GRID: [&str; 3] = ["--cell", "--cell-degrees", "--like"];
@@ -334,8 +335,17 @@ impl DemOutput {
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name. The findings are about the base.
-    pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Report<WrittenDem>, Failure> {
-        let Report { value: map, mut findings } = terrain.height_map(&self.grid, console)?;
+    /// `shift` brings the heights to another height system.
+    pub fn write(
+        &self,
+        terrain: &Terrain,
+        shift: Option<&Shift>,
+        console: &Console,
+    ) -> Result<Report<WrittenDem>, Failure> {
+        let Report { value: mut map, mut findings } = terrain.height_map(&self.grid, console)?;
+        if let Some(shift) = shift {
+            findings.extend(shift.apply(&mut map.dem)?);
+        }
         let HeightMap { dem, errors, .. } = &map;
         let (mut tiles, mut engine) = (None, None);
         let written = match &self.format {

@@ -5,6 +5,7 @@
 //! change in any version.
 
 pub mod arrays;
+pub mod bands;
 pub mod base;
 pub mod cartography;
 pub mod check;

@@ -15,7 +15,7 @@ use super::file_box::FileBox;
 use super::unit_words::LengthWord;
 use tokosen_core::base::error::{Finding, FindingKind};
 use tokosen_core::contour::UnitHint;
-use tokosen_core::crs::{Crs, LengthUnit};
+use tokosen_core::crs::{Crs, HeightSystem, LengthUnit};
 use tokosen_core::features::Role;
 
 /// What the caller requests from a reader.
@@ -197,6 +197,8 @@ pub(super) struct Table {
     pub in_pieces: bool,
     pub features: Vec<Feature>,
     pub crs: Option<Crs>,
+    /// The height system, if the file names one beside its coordinate reference system.
+    pub height_system: Option<HeightSystem>,
     /// Why there is no coordinate reference system, if the reason is not only that the file names none.
     pub crs_problem: Option<String>,
     /// The unit of x and y, if the file states it and names no coordinate reference system.

@@ -12,7 +12,7 @@ use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::base::{ElevationUnit, Grid, Units};
 use tokosen_core::contour::{Interval, SpotHeights};
-use tokosen_core::crs::{Crs, Reprojection, Transform, converted};
+use tokosen_core::crs::{Crs, HeightSystem, Reprojection, Transform, converted};
 use tokosen_core::dem::compare::{Resampled, heights_between};
 use tokosen_core::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
 use tokosen_core::surface::{InOther, Surface, SurfaceKind, height_map};
@@ -30,6 +30,8 @@ pub struct Side {
     pub errors: Option<Arc<Dem>>,
     /// The unit that the elevations of contours had. `None` for a height map.
     pub unit: Option<ElevationUnit>,
+    /// The height system, if the file names one.
+    pub height_system: Option<HeightSystem>,
     /// The part of the surface that is compared, if it is not the whole.
     part: Option<MultiPolygon<f64>>,
     /// The conversion between the plane of the surface and the coordinates of its contours.
@@ -174,12 +176,14 @@ impl Side {
             crs: dem.crs().and_then(Crs::name),
             about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
         };
+        let dem_system = dem.crs().and_then(Crs::height_system);
         Self {
             source,
             kind: Kind::Dem(dem),
             sigma: product.map(|(_, sigma)| sigma),
             errors: None,
             unit: None,
+            height_system: dem_system,
             part: None,
             reprojection: None,
         }
@@ -199,8 +203,9 @@ impl Side {
                 Units::all(unit).height(interval)
             ),
         };
+        let height_system = surface.map.height_system.clone();
         let (kind, reprojection) = (Kind::Surface(Box::new(surface)), Some(reprojection));
-        Self { source, kind, sigma: None, errors: None, unit: Some(unit), part, reprojection }
+        Self { source, kind, sigma: None, errors: None, unit: Some(unit), height_system, part, reprojection }
     }
 
     /// The surface, if the side is one.

@@ -35,9 +35,12 @@ impl Side {
     /// # Errors
     /// As [`open_dem`].
     pub fn read_height_map(path: &Path, progress: &dyn Progress) -> Result<Report<Self>> {
-        let Report { value: DemRows { heights, product }, findings } = step(progress, "reading", || open_dem(path))?;
+        let Report { value: DemRows { heights, product, height_system }, findings } =
+            step(progress, "reading", || open_dem(path))?;
         let product = product.map(|product| (product.name(), product.sigma()));
-        Ok(Report { value: Self::of_dem(path, heights, product), findings })
+        let mut side = Self::of_dem(path, heights, product);
+        side.height_system = height_system;
+        Ok(Report { value: side, findings })
     }
 
     /// Reads the standard errors that a height map has beside its heights, if it has them and no other error is stated.

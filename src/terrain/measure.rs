@@ -12,9 +12,13 @@ use tokosen_core::contour::{Interval, SpotHeights};
 use tokosen_core::crs::{Transform, converted};
 use tokosen_core::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
+    trend,
 };
 use tokosen_core::raster::{InUnit, locate};
 use tokosen_core::tin::{NONE, Tin};
+
+/// Differences of which a plane explains more than this share of the squares look like those of two height systems.
+const LIKE_A_DATUM: f64 = 0.5;
 
 /// Optional parameters of a comparison.
 #[derive(Debug, Clone, Copy, Default)]
@@ -70,6 +74,7 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
             *figures = height_figures(&**dem, interval.as_ref())?;
         }
     }
+    found.trend = trend(a, b)?.filter(|trend| trend.explained > LIKE_A_DATUM);
     found.bands = bands(pair, progress)?.map(|bands| bands.in_unit(unit));
     Ok(found)
 }

@@ -15,6 +15,7 @@ mod facade;
 mod files;
 mod grid;
 mod height_map;
+mod height_systems;
 #[cfg(feature = "draw")]
 mod html;
 mod input;
@@ -61,6 +62,7 @@ pub use facade::Terrain;
 pub use files::read_check_points;
 pub use grid::GridSpec;
 pub use height_map::HeightMap;
+pub use height_systems::height_systems_differ;
 #[cfg(feature = "draw")]
 pub use html::HtmlParams;
 pub use input::{Input, InputOptions};

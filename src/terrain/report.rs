@@ -1,14 +1,37 @@
 //! The report of a comparison of two sides: sentences and a page.
 
-use super::compare::{Kind, Pair};
+use super::compare::{Kind, Pair, Side};
 use tokosen_core::base::error::Result;
-use tokosen_core::dem::compare::Comparison;
+use tokosen_core::crs::HeightSystem;
+use tokosen_core::dem::compare::{Comparison, Trend};
 use tokosen_core::raster::InUnit;
 use tokosen_draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 
 /// Sentences about how the sides were brought onto one grid and what the figures mean.
 pub fn sentences(pair: &Pair, found: &Comparison) -> Vec<String> {
-    pair.notes.iter().cloned().chain(remarks(found, height_sources(pair))).collect()
+    let trend = found.trend.as_ref().map(|trend| about_trend(pair, found, trend));
+    pair.notes.iter().cloned().chain(remarks(found, height_sources(pair))).chain(trend).collect()
+}
+
+/// That the differences look like those of two height systems, and which ones these may be.
+fn about_trend(pair: &Pair, found: &Comparison, trend: &Trend) -> String {
+    let named = |side: &Side| side.height_system.as_ref().map_or("not named", |system| system.name.as_str()).to_owned();
+    let systems: Vec<&HeightSystem> = [&pair.a, &pair.b].into_iter().filter_map(|s| s.height_system.as_ref()).collect();
+    let known = match systems[..] {
+        [a, b] => a.difference(b).into_iter().collect(),
+        [one] => one.differences(),
+        _ => Vec::new(),
+    };
+    let known: String = known.iter().map(|usual| format!(" {} ({}).", usual.text, usual.source)).collect();
+    let [low, high] = [trend.lowest, trend.highest].map(|height| found.unit.about(height));
+    format!(
+        "A plane from {low:.2} to {high:.2} {} explains {:.0} % of the squared differences. The bias may come from different height \
+         systems (A: {}, B: {}) and not from errors of the heights: look up the systems of both.{known}",
+        found.unit.symbol(),
+        100.0 * trend.explained,
+        named(&pair.a),
+        named(&pair.b)
+    )
 }
 
 /// A page of HTML with maps, charts and tables.

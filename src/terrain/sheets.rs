@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec2;
 
+use super::height_systems::beside;
 use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::contour::ContourMap;
@@ -38,6 +39,13 @@ pub(super) fn joined(mut sheets: Vec<Sheet>, asked: Option<ElevationUnit>) -> Re
     let mut map = ContourMap { crs: sheets.iter().find_map(|sheet| sheet.map.crs.clone()), ..ContourMap::default() };
     if map.crs.is_none() && asked.is_none() {
         map.plane_unit = same_unit(&mut sheets)?;
+    }
+    map.height_system = sheets.iter().find_map(|sheet| sheet.map.height_system.clone());
+    if let Some((first, system)) = sheets.iter().find_map(|s| Some((s.file.clone(), s.map.height_system.clone()?))) {
+        for sheet in &sheets {
+            findings
+                .extend(beside((&first.display(), &system), (&sheet.file.display(), sheet.map.height_system.as_ref())));
+        }
     }
     for (number, mut sheet) in (1..).zip(sheets) {
         let name = sheet.file.display().to_string();

@@ -272,7 +272,7 @@ fn all_products_are_told_by_their_name_type_and_cells() {
         ("dem10b", Square { kind: "10mメッシュ（標高）", ..ten }, Product::Dem10B, 9000.0, (743, 639, 1.5)),
     ] {
         let path = folder.write(&format!("FG-GML-{}-{name}-20161001.xml", square.code), square.xml());
-        let GsiDem { dem, product: found } = read_dem(&path).unwrap().value;
+        let GsiDem { dem, product: found, .. } = read_dem(&path).unwrap().value;
         assert_eq!((found, dem.grid.cell), (product, DVec2::splat(1.0 / cell)), "{name}");
         assert_eq!(cells(&path)[0], first, "{name}");
     }

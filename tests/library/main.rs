@@ -6,6 +6,7 @@ mod common;
 mod guarantees;
 
 mod area_files;
+mod bands;
 mod break_lines;
 mod cliffs;
 mod degenerate;

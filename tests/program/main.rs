@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bands;
 mod base;
 mod break_lines;
 mod check;
@@ -27,6 +28,7 @@ mod for_map;
 mod geopackage_locks;
 mod geoparquet;
 mod guide_pages;
+mod height_systems;
 mod hulls;
 mod labels;
 mod maps;

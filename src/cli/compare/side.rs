@@ -6,7 +6,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::io::{Content, VectorSource, content};
 use tokosen::surface::{Triangles, Uncertainty};
-use tokosen::terrain::{Nodes, Side};
+use tokosen::terrain::{Nodes, Side, height_systems_differ};
 use tokosen::{GridSpec, Options};
 
 use crate::cli::console::Console;
@@ -80,6 +80,10 @@ pub fn read(
         None => side_of_contours(args, args.input.map.contours[0].clone(), &mut nodes, findings, console)?,
     };
     label("A", findings);
+    if let Some(b) = &b {
+        let [of_a, of_b] = [&a, b].map(|side| (side.source.file.display(), side.height_system.as_ref()));
+        findings.extend(height_systems_differ((&of_a.0, of_a.1), (&of_b.0, of_b.1)));
+    }
     Ok(ReadSides { a, b, nodes })
 }
 

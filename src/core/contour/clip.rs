@@ -40,18 +40,7 @@ pub struct Clipped {
 ///
 /// The polygons of `area` must not overlap, and none may cross itself.
 pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
-    let border = Border::new(area);
-    let on_border: Vec<OnEdge> = map
-        .contours
-        .par_iter()
-        .flat_map_iter(|contour| contour.points.iter())
-        .filter_map(|&p| {
-            let (edge, ends) = border.edge_at(p)?;
-            (p != ends.a && p != ends.b).then_some((edge, p))
-        })
-        .collect();
-    let area = with_vertices(area, on_border);
-    let (lines, area) = with_meetings(map.contours.iter_mut().map(|c| std::mem::take(&mut c.points)).collect(), area);
+    let (lines, area) = noded(map.contours.iter_mut().map(|c| std::mem::take(&mut c.points)).collect(), area);
     let border = Border::new(&area);
     let corners: HashSet<[u64; 2]> = rings(&area).flatten_points().map(bits).collect();
     let contours: Vec<Vec<Contour>> = std::mem::take(&mut map.contours)
@@ -70,6 +59,19 @@ pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
     map.spots = spots.collect();
     map.contours = contours.into_iter().flatten().collect();
     Clipped { map, area }
+}
+
+/// Lines and the border of an area with a vertex wherever they meet. Nothing is cut.
+///
+/// The polygons of `area` must not overlap, and none may cross itself.
+pub fn noded(lines: Vec<Vec<DVec2>>, area: &MultiPolygon<f64>) -> (Vec<Vec<DVec2>>, MultiPolygon<f64>) {
+    let border = Border::new(area);
+    let on_border = |&p: &DVec2| {
+        let (edge, ends) = border.edge_at(p)?;
+        (p != ends.a && p != ends.b).then_some((edge, p))
+    };
+    let on_border: Vec<OnEdge> = lines.par_iter().flat_map_iter(|points| points.iter()).filter_map(on_border).collect();
+    with_meetings(lines, with_vertices(area, on_border))
 }
 
 /// A vertex of a contour, old or new.

@@ -8,7 +8,7 @@ use super::spots::SoftSpot;
 use super::stated_unit::StatedUnit;
 use super::unit_hint::UnitHint;
 use crate::base::{ElevationUnit, FeatureId};
-use crate::crs::{Crs, LengthUnit};
+use crate::crs::{Crs, HeightSystem, LengthUnit};
 
 /// A line of one elevation.
 ///
@@ -55,6 +55,8 @@ pub struct ContourMap {
     pub cut_ends: Vec<DVec2>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
+    /// The height system, if the input names one.
+    pub height_system: Option<HeightSystem>,
     /// The unit of x and y, if the input states it and names no coordinate reference system.
     pub plane_unit: Option<LengthUnit>,
     /// What the input lets suppose about the unit of the elevations, if it is more than nothing.

@@ -22,7 +22,7 @@ mod unit_hint;
 
 pub use crate::base::ElevationUnit;
 pub use cliff::CliffLine;
-pub use clip::{Clipped, clip};
+pub use clip::{Clipped, clip, noded};
 #[doc(hidden)]
 pub use clip_lines::clip_lines;
 pub use coast::CoastLine;

@@ -63,6 +63,30 @@ impl Target {
         Ok(levels.into_iter().map(|level: f64| unit.metres(level)).collect())
     }
 
+    /// Whether a height, metres, is one of the levels, which are in `unit`, up to rounding.
+    pub fn has(&self, unit: ElevationUnit, height: f64) -> bool {
+        match self {
+            Self::Interval { step, base } => Interval { step: *step, base: *base }.is_level(unit.from_metres(height)),
+            Self::Levels(levels) => levels.iter().any(|&level| is_one(unit.metres(level), height)),
+        }
+    }
+
+    /// The levels next to a height, below and above it, all in metres. One that the height itself is, up to rounding, does not
+    /// count. Infinite beyond a list of levels.
+    pub fn beside(&self, unit: ElevationUnit, height: f64) -> [f64; 2] {
+        match self {
+            Self::Interval { step, base } => {
+                let (interval, height) = (Interval { step: *step, base: *base }, unit.from_metres(height));
+                [interval.next_below(height), interval.next_above(height)].map(|level| unit.metres(level))
+            }
+            Self::Levels(levels) => {
+                let others = || levels.iter().map(|&level| unit.metres(level)).filter(|&level| !is_one(level, height));
+                let below = others().filter(|&level| level < height).fold(f64::NEG_INFINITY, f64::max);
+                [below, others().filter(|&level| level > height).fold(f64::INFINITY, f64::min)]
+            }
+        }
+    }
+
     /// Whether this is an interval, in `unit`, that is larger than `interval` metres.
     pub fn is_coarser(&self, unit: ElevationUnit, interval: f64) -> bool {
         // Feet that became metres and back have rounding errors.
@@ -95,6 +119,11 @@ impl Target {
     }
 }
 
+/// Whether two elevations, metres, differ by rounding only.
+fn is_one(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,5 +144,19 @@ mod tests {
         assert!(Target::Interval { step: 1e-6, base: 0.0 }.levels(Metre, 0.0, 10.0).is_err());
         assert!(Target::Interval { step: -1.0, base: 0.0 }.levels(Metre, 0.0, 10.0).is_err());
         assert_eq!(Target::Levels(vec![5.0, 1.0, 5.0, 99.0]).levels(Metre, 0.0, 10.0).unwrap(), [1.0, 5.0]);
+    }
+
+    #[test]
+    fn a_height_lies_between_two_levels() {
+        let feet = ElevationUnit::Foot;
+        let tens = Target::Interval { step: 10.0, base: 0.0 };
+        assert!(tens.has(feet, 3.048 * 7.0) && !tens.has(Metre, 25.0));
+        assert_eq!(tens.beside(feet, 3.048 * 7.0).map(|z| (z / 0.3048).round()), [60.0, 80.0]);
+        assert_eq!(tens.beside(Metre, 25.0), [20.0, 30.0]);
+        let list = Target::Levels(vec![50.0, 10.0, 20.0]);
+        assert!(list.has(Metre, 20.0_f64.next_up()) && !list.has(Metre, 30.0));
+        assert_eq!(list.beside(Metre, 20.0_f64.next_up()), [10.0, 50.0]);
+        assert_eq!(list.beside(Metre, 5.0), [f64::NEG_INFINITY, 10.0]);
+        assert_eq!(list.beside(Metre, 50.0), [20.0, f64::INFINITY]);
     }
 }

@@ -7,6 +7,7 @@
 
 mod definition;
 mod esri;
+mod height_system;
 mod local;
 mod named;
 mod parts;
@@ -23,6 +24,9 @@ mod working;
 #[doc(hidden)]
 pub use definition::label;
 #[doc(hidden)]
+pub use height_system::vertical_unit;
+pub use height_system::{HeightSystem, UsualDifference, mixed_heights};
+#[doc(hidden)]
 pub use parts::number_of_part;
 #[doc(hidden)]
 pub use parts::part_of_table;
@@ -33,6 +37,4 @@ pub use transform::Transform;
 pub use transform::converted;
 #[doc(hidden)]
 pub use vertical::epsg_name;
-#[doc(hidden)]
-pub use vertical::vertical_unit;
 pub use working::working_crs;

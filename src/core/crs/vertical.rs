@@ -1,21 +1,9 @@
 //! Vertical systems that a name gives by code, beside the horizontal one: `EPSG:2229+6360`,
 //! `urn:ogc:def:crs,crs:EPSG::2229,crs:EPSG::6360`.
 
+use super::height_system::vertical_unit;
 use super::system::Crs;
 use crate::base::ElevationUnit;
-
-/// Vertical systems in wide use, by EPSG code, with their units: NAVD88, NGVD29, mean sea level, local datums in feet;
-/// NAVD88, NGVD29, mean sea level, EGM96, EGM2008, Europe, Japan in metres.
-const SYSTEMS: &[(&[u32], ElevationUnit)] = &[
-    (&[6360, 5702, 8052], ElevationUnit::UsSurveyFoot),
-    (&[8228, 8050, 6130, 6131, 6132], ElevationUnit::Foot),
-    (&[5703, 7968, 5714, 5773, 3855, 5621, 5730, 6694, 6695], ElevationUnit::Metre),
-];
-
-/// The unit of a vertical system; `None` if the code is not known here.
-pub fn vertical_unit(code: u32) -> Option<ElevationUnit> {
-    SYSTEMS.iter().find(|(codes, _)| codes.contains(&code)).map(|(_, unit)| *unit)
-}
 
 /// The name of a unit as EPSG has it.
 pub fn epsg_name(unit: ElevationUnit) -> &'static str {

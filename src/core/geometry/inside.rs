@@ -101,7 +101,7 @@ fn settle(numbers: &mut [u32], edges: &[Segment]) {
 }
 
 /// The order from west to east of two edges that have heights in common and do not cross.
-fn by_place(s: &Segment, t: &Segment) -> Ordering {
+pub(super) fn by_place(s: &Segment, t: &Segment) -> Ordering {
     // The higher one of the lower ends is at a height of both edges, and so is the lower one of the upper ends.
     let of = |edge: &Segment, p: DVec2| side(edge, p).total_cmp(&0.0).reverse();
     let low = if s.a.y >= t.a.y { of(t, s.a) } else { of(s, t.a).reverse() };
@@ -116,7 +116,7 @@ fn side(edge: &Segment, p: DVec2) -> f64 {
     orient2d(coord(edge.a), coord(edge.b), coord(p)) + 0.0
 }
 
-fn is_west(p: DVec2, edge: &Segment) -> bool {
+pub(super) fn is_west(p: DVec2, edge: &Segment) -> bool {
     side(edge, p) > 0.0
 }
 

@@ -2,6 +2,7 @@
 
 mod border;
 mod common_area;
+mod east;
 mod inside;
 mod meet;
 mod order;
@@ -13,6 +14,7 @@ mod thin;
 pub use border::Border;
 pub use border::{OnEdge, rings, tolerance, tolerance_of_box, with_corners_at, with_vertices};
 pub use common_area::common_area;
+pub use east::nearest_east;
 #[doc(hidden)]
 pub use meet::Meeting;
 #[doc(hidden)]

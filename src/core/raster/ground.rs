@@ -54,6 +54,28 @@ impl GroundScale {
     }
 }
 
+/// Turns places into those on a plane on which areas are square metres on the ground. For degrees, and for Web Mercator, it is
+/// Lambert's cylindrical equal-area projection of the GRS 80 ellipsoid. With other systems, as for [`GroundScale`], only the unit
+/// of length counts.
+///
+/// Source: J. P. Snyder, Map Projections: A Working Manual, USGS Professional Paper 1395 (1987), equations 3-12, 10-14 and 10-15.
+pub fn equal_area(crs: Option<&Crs>) -> impl Fn(DVec2) -> DVec2 {
+    let is_mercator = crs.is_some_and(|crs| crs.horizontal().epsg == Some(WEB_MERCATOR));
+    let angle = crs.and_then(Crs::angle_unit);
+    let metres = crs.and_then(Crs::length_unit).map_or(1.0, |unit| unit.metres);
+    move |p| {
+        let angles = match angle {
+            Some(angle) => p * angle,
+            None if is_mercator => DVec2::new(p.x / SEMI_MAJOR, (p.y / SEMI_MAJOR).sinh().atan()),
+            None => return p * metres,
+        };
+        let e2 = FLATTENING * (2.0 - FLATTENING);
+        let (e, sin) = (e2.sqrt(), angles.y.sin());
+        let q = (1.0 - e2) * (sin / (1.0 - e2 * sin * sin) + (e * sin).atanh() / e);
+        SEMI_MAJOR * DVec2::new(angles.x, q / 2.0)
+    }
+}
+
 impl Dem {
     /// The height map with the unit of x and y that the caller names, if one is. A height map with a coordinate reference system
     /// has its unit.
@@ -156,6 +178,25 @@ mod tests {
             let scale = per_degree(latitude);
             assert!((scale - DVec2::new(x, y)).abs().max_element() < 1.0, "{latitude}: {scale}");
         }
+    }
+
+    #[test]
+    fn areas_of_degrees_are_those_on_the_ellipsoid() {
+        // A cell of a hundredth of a degree has the size of its sides in the middle.
+        for (epsg, latitude) in [(6668, 36.0), (4326, -67.5)] {
+            let crs = Crs::from_epsg(epsg);
+            let place = equal_area(Some(&crs));
+            let [a, b] = [-0.005, 0.005].map(|d| place(DVec2::new(138.0 + d, latitude + d)));
+            let (area, sides) = ((b - a).element_product(), per_degree(latitude).element_product() * 1e-4);
+            assert!((area / sides - 1.0).abs() < 1e-7, "{latitude}: {area} {sides}");
+        }
+        let mercator = Crs::from_epsg(WEB_MERCATOR);
+        let y = SEMI_MAJOR * 36.0_f64.to_radians().tan().asinh();
+        let degrees = equal_area(Some(&Crs::wgs84()))(DVec2::new(138.0, 36.0));
+        let metres = equal_area(Some(&mercator))(DVec2::new(138.0_f64.to_radians() * SEMI_MAJOR, y));
+        assert!(degrees.distance(metres) < 1e-6);
+        let feet = equal_area(Some(&Crs::from_epsg(2229)))(DVec2::ONE);
+        assert!((feet.x - 0.304_800_6).abs() < 1e-6);
     }
 
     #[test]

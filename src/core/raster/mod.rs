@@ -9,6 +9,7 @@ mod in_unit;
 mod part;
 mod rasterise;
 mod rows;
+mod shift_grid;
 
 #[doc(hidden)]
 pub use blocks::Block;
@@ -19,7 +20,7 @@ pub use blocks::each_pair;
 pub(crate) use gradient::gradient_at;
 #[doc(hidden)]
 pub use ground::other_unit;
-pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
+pub use ground::{GroundScale, equal_area, in_plane_unit, looks_like_degrees, metres_per_unit};
 pub use height_map::Dem;
 pub use in_unit::InUnit;
 #[doc(hidden)]
@@ -31,3 +32,4 @@ pub use rows::reserve;
 #[doc(hidden)]
 pub use rows::uniform;
 pub use rows::{RasterRows, WithCrs};
+pub use shift_grid::{ShiftGrid, ShiftWay};

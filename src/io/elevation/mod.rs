@@ -29,6 +29,7 @@ use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use tokosen_core::base::decimal::shortest_between;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::contour::{Contour, ContourMap, SpotHeights, StatedUnit};
+use tokosen_core::crs::Crs;
 
 /// Attributes are often rounded to centimetres. Elevations that differ by no more than this are equal, metres.
 const SAME_ELEVATION: f64 = 0.01;
@@ -135,9 +136,19 @@ pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) 
     findings.extend(uneven.finding());
     findings.extend(units.findings);
     findings.extend(spot_findings);
+    let height_system = table.height_system.or_else(|| table.crs.as_ref().and_then(Crs::height_system));
     let (crs, plane_unit, stated_unit) = (table.crs, table.plane_unit, units.stated);
-    let map =
-        ContourMap { contours, spots, depressions, crs, plane_unit, unit_hint, stated_unit, ..ContourMap::default() };
+    let map = ContourMap {
+        contours,
+        spots,
+        depressions,
+        crs,
+        height_system,
+        plane_unit,
+        unit_hint,
+        stated_unit,
+        ..ContourMap::default()
+    };
     Ok(Report { value: map, findings })
 }
 

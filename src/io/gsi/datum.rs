@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
-use tokosen_core::crs::Crs;
+use tokosen_core::crs::{Crs, HeightSystem, mixed_heights};
 
 const JGD2000: u32 = 4612;
 /// Also the code of JGD2024, which changed heights but not longitude and latitude.
@@ -21,7 +21,11 @@ fn code(name: &str) -> Option<u32> {
 
 /// The systems that documents name, each with the first such document.
 #[derive(Default)]
-pub(super) struct Datums(BTreeMap<u32, PathBuf>);
+pub(super) struct Datums {
+    codes: BTreeMap<u32, PathBuf>,
+    /// By the names of the height systems, which change more often.
+    heights: BTreeMap<String, PathBuf>,
+}
 
 impl Datums {
     /// Records the system of a document's `srsName`.
@@ -33,14 +37,28 @@ impl Datums {
             );
             return Err(Error::file(path, message));
         };
-        self.0.entry(code).or_insert_with(|| path.to_owned());
+        self.codes.entry(code).or_insert_with(|| path.to_owned());
+        let system = name.split_once(':').map_or(name, |(_, system)| system);
+        self.heights.entry(HeightSystem::named(system).name).or_insert_with(|| path.to_owned());
         Ok(())
+    }
+
+    /// The height system of all documents together: the newest one. Squares of a download may have different ones, because each
+    /// file names that of its date.
+    pub fn height_system(&self, findings: &mut Vec<Finding>) -> Option<HeightSystem> {
+        let (newest, path) = self.heights.last_key_value()?;
+        let newest = HeightSystem { name: newest.clone() };
+        for (name, other) in self.heights.iter().filter(|(name, _)| **name != newest.name) {
+            let system = HeightSystem { name: name.clone() };
+            findings.push(mixed_heights((&other.display(), &system), (&path.display(), &newest)));
+        }
+        Some(newest)
     }
 
     /// The system of all documents together. One download may contain both systems, because each file names the one of
     /// its date.
     pub fn crs(self, findings: &mut Vec<Finding>) -> Option<Crs> {
-        if let (Some(old), Some(new)) = (self.0.get(&JGD2000), self.0.get(&JGD2011)) {
+        if let (Some(old), Some(new)) = (self.codes.get(&JGD2000), self.codes.get(&JGD2011)) {
             let message = format!(
                 "{} is in JGD2000 and {} in JGD2011: all is taken as JGD2011; the two differ where the ground moved before \
                  2011, by up to 5 m in the north-east of Honshu",
@@ -49,7 +67,7 @@ impl Datums {
             );
             findings.push(Finding::general(FindingKind::MixedCrs, message));
         }
-        self.0.into_keys().next_back().map(Crs::from_epsg)
+        self.codes.into_keys().next_back().map(Crs::from_epsg)
     }
 }
 

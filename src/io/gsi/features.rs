@@ -232,6 +232,7 @@ impl Reading<'_> {
     }
 
     fn finish(mut self) -> Table {
+        self.table.height_system = self.datums.height_system(&mut self.table.findings);
         self.table.crs = self.datums.crs(&mut self.table.findings);
         self.table.in_pieces = true;
         let mut left_out = |count: u64, what: &str| {

@@ -36,6 +36,7 @@ use crate::zipped;
 use archive::{each_document, has_extension, item_of, nothing};
 use datum::Datums;
 use tokosen_core::base::error::{Report, Result};
+use tokosen_core::crs::HeightSystem;
 use tokosen_core::raster::Dem;
 
 /// The content of a document is recognised from this many bytes.
@@ -55,6 +56,8 @@ pub struct GsiDem {
     pub dem: Dem,
     /// The product that the heights come from.
     pub product: Product,
+    /// The height system, if the documents name one.
+    pub height_system: Option<HeightSystem>,
 }
 
 /// Whether a path has documents of height maps and none of contours.
@@ -102,6 +105,7 @@ pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
     }
     report.note_repeated(&mut findings);
     let (mut dem, product) = mosaic::mosaic(path, tiles, &mut findings)?;
+    let height_system = datums.height_system(&mut findings);
     dem.crs = datums.crs(&mut findings);
-    Ok(Report { value: GsiDem { dem, product }, findings })
+    Ok(Report { value: GsiDem { dem, product, height_system }, findings })
 }

@@ -3,6 +3,7 @@
 //! Every stage passes its output to the writers in this form. A new kind of layer needs no new writer, and a new format
 //! needs nothing from the stages. Each stage that writes features has a file here that defines its columns.
 
+mod bands;
 mod break_lines;
 mod catchments;
 mod contours;
@@ -19,6 +20,7 @@ mod skeleton;
 mod steep;
 mod streams;
 
+pub use bands::{bands_layer, of_bands};
 pub use break_lines::break_lines;
 pub use catchments::{CATCHMENTS_LAYER, of_catchments, of_outlets};
 pub use contours::of_contours;

@@ -38,6 +38,7 @@ mod png;
 mod png_read;
 mod quantity;
 mod read;
+mod shift_grid;
 mod sidecar;
 mod stac;
 mod xyz;
@@ -58,6 +59,7 @@ pub use engine::{Engine, EngineFiles, write_for_engine};
 pub use picture::{picture_bytes, write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
 pub use read::{DemFile, DemRows, READABLE_EXTENSIONS, open_dem, read_dem, read_grid, read_standard_errors};
+pub use shift_grid::{SHIFT_EXTENSIONS, read_shift_grid};
 pub use stac::write_stac_item;
 
 /// The extensions that [`write_dem`] accepts, for messages and help texts.

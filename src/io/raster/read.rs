@@ -13,7 +13,7 @@ use crate::gsi::{self, GsiDem, Product};
 use crate::ordinary::open_to_read;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::base::{ElevationUnit, Grid};
-use tokosen_core::crs::Crs;
+use tokosen_core::crs::{Crs, HeightSystem};
 use tokosen_core::raster::{Dem, RasterRows};
 
 /// The extensions that [`read_dem`] accepts, for messages and help texts.
@@ -26,6 +26,8 @@ pub struct DemFile {
     pub dem: Dem,
     /// The product of 基盤地図情報, if the file is one.
     pub product: Option<Product>,
+    /// The height system, if the file names one.
+    pub height_system: Option<HeightSystem>,
 }
 
 /// Reads a height map as 32-bit floating point, metres, north up.
@@ -45,8 +47,8 @@ pub struct DemFile {
 /// - It states more cells than its size can hold.
 pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     if gsi::is_source(path) {
-        let Report { value: GsiDem { dem, product }, findings } = gsi::read_dem(path)?;
-        return Ok(Report { value: DemFile { dem, product: Some(product) }, findings });
+        let Report { value: GsiDem { dem, product, height_system }, findings } = gsi::read_dem(path)?;
+        return Ok(Report { value: DemFile { dem, product: Some(product), height_system }, findings });
     }
     let read = match extension(path).as_str() {
         "tif" | "tiff" => geotiff_read::read,
@@ -58,10 +60,11 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     };
     check_file(path)?;
     let Report { value: mut dem, mut findings } = read(path)?;
+    let height_system = dem.crs.as_ref().and_then(Crs::height_system);
     // Heights are metres now.
     dem.crs = dem.crs.map(|crs| crs.with_heights_in(ElevationUnit::Metre));
     name_missing_crs(dem.crs.as_ref(), &mut findings);
-    Ok(Report { value: DemFile { dem, product: None }, findings })
+    Ok(Report { value: DemFile { dem, product: None, height_system }, findings })
 }
 
 /// A height map whose rows are read on demand.
@@ -71,6 +74,8 @@ pub struct DemRows {
     pub heights: Arc<dyn RasterRows>,
     /// The product of 基盤地図情報, if the file is one.
     pub product: Option<Product>,
+    /// The height system, if the file names one.
+    pub height_system: Option<HeightSystem>,
 }
 
 /// Opens a height map, of which the heights are as [`read_dem`] gives them. The rows of a GeoTIFF are read on demand. Files in
@@ -80,15 +85,16 @@ pub struct DemRows {
 /// As [`read_dem`]. A broken part of a GeoTIFF is an error only when its rows are read.
 pub fn open_dem(path: &Path) -> Result<Report<DemRows>> {
     if !matches!(extension(path).as_str(), "tif" | "tiff") || gsi::is_source(path) {
-        let Report { value: DemFile { dem, product }, findings } = read_dem(path)?;
-        return Ok(Report { value: DemRows { heights: Arc::new(dem), product }, findings });
+        let Report { value: DemFile { dem, product, height_system }, findings } = read_dem(path)?;
+        return Ok(Report { value: DemRows { heights: Arc::new(dem), product, height_system }, findings });
     }
     check_file(path)?;
     let Opened { mut rows, mut findings, crs_problem } = geotiff_read::open(path, 0)?;
+    let height_system = rows.crs.as_ref().and_then(Crs::height_system);
     rows.crs = rows.crs.map(|crs| crs.with_heights_in(ElevationUnit::Metre));
     findings.extend(crs_problem);
     name_missing_crs(rows.crs.as_ref(), &mut findings);
-    Ok(Report { value: DemRows { heights: Arc::new(rows), product: None }, findings })
+    Ok(Report { value: DemRows { heights: Arc::new(rows), product: None, height_system }, findings })
 }
 
 /// Adds the finding that there is no coordinate reference system. A reader that found a description of one, but could not use
@@ -134,7 +140,7 @@ pub fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
     }
 }
 
-fn extension(path: &Path) -> String {
+pub(super) fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 

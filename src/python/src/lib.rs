@@ -58,6 +58,7 @@ fn _tokosen(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(verbs::regions, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::skeleton, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::contour, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::bands, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::derive, module)?)?;
     module.add_function(wrap_pyfunction!(comparison::compare, module)?)?;
     Ok(())

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use tokosen::bands::bands_of_surface;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Finding, Severity};
 use tokosen::base::progress::Progress;
@@ -12,7 +13,8 @@ use tokosen::crs::FromWorking;
 use tokosen::dem::profile::stations;
 use tokosen::draw::Scene;
 use tokosen::io::layer::{
-    break_lines, labels_layer, of_conflicts, of_contours, of_findings, of_labels, pit_points, stream_lines,
+    bands_layer, break_lines, labels_layer, of_bands, of_conflicts, of_contours, of_findings, of_labels, pit_points,
+    stream_lines,
 };
 use tokosen::io::raster::Quantity;
 use tokosen::layers::LayerParams;
@@ -166,6 +168,35 @@ impl Terrain {
                 for_map(layer, &map, of_input, &self.terrain.map_ground());
             }
             with_labels(&layers, labels, self.terrain.surface.frame.extent(), unit, &back)
+        })
+    }
+
+    /// The areas between contours at intervals, or at levels: a layer each. Then what to warn of.
+    #[pyo3(signature = (intervals, base, levels, to_crs, to_unit, progress))]
+    #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
+    fn bands(
+        &self,
+        py: Python<'_>,
+        intervals: Vec<f64>,
+        base: f64,
+        levels: Option<Vec<f64>>,
+        to_crs: Option<&str>,
+        to_unit: &str,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
+        let targets = targets(py, &intervals, base, levels)?;
+        let unit = unit(py, to_unit)?;
+        let to_crs = crs(py, to_crs)?;
+        let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);
+        let params = LayerParams { targets: targets.clone(), unit, ..LayerParams::default() };
+        work(py, progress, |progress| {
+            let lines = self.terrain.contours_with(params, progress)?;
+            let (mut layers, mut findings) = (Vec::new(), Vec::new());
+            for (target, lines) in targets.iter().zip(&lines) {
+                let areas = bands_of_surface(&self.terrain.surface, lines, target, unit).collect(&mut findings);
+                layers.extend(Layer::all(&[of_bands(&bands_layer(&lines.name), &areas)], &back)?);
+            }
+            Ok((layers, warned(&findings, &self.terrain.to_output(None)?)))
         })
     }
 

@@ -2,6 +2,7 @@
 //! derived from one.
 
 use pyo3::prelude::*;
+use tokosen::bands::bands_of_height_map;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Severity;
 use tokosen::cartography::{self, OfInput, for_map, mean_slope};
@@ -10,7 +11,9 @@ use tokosen::dem::contour::{ContourParams, contours};
 use tokosen::dem::derive::{HeightsFrom, SteepParams, aspect, check as check_dem, shade, slope, steep, steep_note};
 use tokosen::dem::shade::{Light, ShadeParams};
 use tokosen::features::Role;
-use tokosen::io::layer::{of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
+use tokosen::io::layer::{
+    bands_layer, of_bands, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas,
+};
 use tokosen::io::raster::Quantity;
 use tokosen::raster::GroundScale;
 use tokosen::skeleton::skeleton as skeleton_of;
@@ -201,6 +204,42 @@ pub fn contour(
         let raised = tolerance.and_then(|asked| found.raised_from(asked));
         let warned = raised.map(|why| (Severity::Warning.name(), "tolerance-raised", format!("tolerance {why}")));
         Ok((with_labels(&found.layers, labels, (low, high), unit, &back)?, warned.into_iter().collect()))
+    })
+}
+
+/// The areas between the contours of a height map, as those of a terrain, and what to warn of.
+#[pyfunction]
+#[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, progress))]
+#[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
+pub fn bands(
+    py: Python<'_>,
+    dem: &Raster,
+    given: Given,
+    intervals: Vec<f64>,
+    base: f64,
+    levels: Option<Vec<f64>>,
+    to_crs: Option<&str>,
+    to_unit: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
+    let targets = targets(py, &intervals, base, levels)?;
+    let unit = unit(py, to_unit)?;
+    let to_crs = crs(py, to_crs)?;
+    let dem = dem.dem(py)?;
+    let ground = Ground::new(py, &given)?;
+    let memory = tokosen::cli::available_memory();
+    let mut params = ContourParams { targets, unit, memory, ..ContourParams::default() };
+    work(py, progress, move |progress| {
+        let unmoved = Reprojection::unmoved(dem.crs.clone());
+        let back = unmoved.from_working(to_crs.as_ref())?.with_heights_in(unit);
+        let dem = ground.of(dem, &mut params)?;
+        let found = contours(&dem, &params, progress)?;
+        let (mut layers, mut findings) = (Vec::new(), Vec::new());
+        for (target, lines) in params.targets.iter().zip(&found.layers) {
+            let areas = bands_of_height_map(&dem, lines, target, unit, params.part.as_ref()).collect(&mut findings);
+            layers.extend(Layer::all(&[of_bands(&bands_layer(&lines.name), &areas)], &back)?);
+        }
+        Ok((layers, warned(&findings, &unmoved.from_working(None)?)))
     })
 }
 

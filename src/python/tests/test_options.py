@@ -11,7 +11,7 @@ from tokosen import _options
 
 # Flags about files, pictures and the run: functions return results, and a result has a method that writes or draws it.
 NO_ARGUMENTS = {
-    "help", "output", "preview", "diagnostics", "quiet", "verbose", "overwrite", "threads", "save-run", "labels", "cog",
+    "help", "output", "preview", "diagnostics", "quiet", "verbose", "overwrite", "threads", "save-run", "labels", "bands", "cog",
     "png-encoding", "report", "json", "zooms", "max-zoom", "tile-size", "tile-image", "viewer", "attribution",
     "paper", "scale", "title", "source", "font", "for", "size", "stac",
 }
@@ -20,8 +20,8 @@ RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}
 # Flags whose work is another function or a method of the result: `Dem.to_file` has the unit of a height map, and a `Dem` its
 # own system. `Terrain.to_html` makes the page of a model; models to print are made by the program.
 LEFT_OUT = {
-    "dem": {"to-unit"},
-    "contour": {"crs"},
+    "dem": {"to-unit", "vertical-shift", "vertical-shift-inverse"},
+    "contour": {"crs", "vertical-shift", "vertical-shift-inverse"},
     "densify": {"dem", "cell", "cell-degrees", "like", "compare"},
     "skeleton": {"triangles", "curve-mesh"},
     "mesh": {"interval", "uncertainty", "size", "exaggeration"},

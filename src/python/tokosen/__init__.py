@@ -23,7 +23,7 @@ from tokosen._example import example
 from tokosen._layers import Layer
 from tokosen._terrain import Accuracy, Mesh, Terrain
 from tokosen._tokosen import __version__
-from tokosen._verbs import Check, Comparison, check, compare, contour, dem, densify, derive, mesh, regions, skeleton
+from tokosen._verbs import Check, Comparison, bands, check, compare, contour, dem, densify, derive, mesh, regions, skeleton
 
 __all__ = [
     "Accuracy",
@@ -42,6 +42,7 @@ __all__ = [
     "Transform",
     "Volume",
     "__version__",
+    "bands",
     "check",
     "compare",
     "contour",

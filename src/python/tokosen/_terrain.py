@@ -170,6 +170,36 @@ class Terrain:
         layers = [shaped(layer, output, self._of_frame) for layer in found]
         return layers if is_several(interval) else layers[0]
 
+    def bands(
+        self,
+        interval: float | Sequence[float] | None = None,
+        *,
+        levels: Sequence[float] | None = None,
+        base_level: float = 0.0,
+        to_crs: Any = None,
+        to_unit: Unit | None = None,
+        output: Output = None,
+        progress: Progress = None,
+    ) -> Any:
+        """The areas between the contours of an interval, up to the frame, as polygons.
+
+        `interval`, `levels` and `base_level` are those of `contours`. The areas are a partition: where two meet, both have the vertices
+        of the contour between them. The attributes are elev_from, elev_to, elev_mid (half-way between), kind (ground, lake or sea),
+        area_m2 and share.
+
+        >>> areas = tokosen.Terrain(tokosen.example()).bands(10)
+        >>> round(float(sum(areas["share"])), 9)
+        1.0
+        """
+        intervals = intervals_of(interval, levels)
+        elevations = None if levels is None else [float(level) for level in levels]
+        unit = to_unit or self._to_unit
+        with reporting(progress) as report:
+            found, warned = self._terrain.bands(intervals, base_level, elevations, crs_text(to_crs), unit, report)
+        warn_of(warned, stacklevel=3)
+        layers = [shaped(layer, output, self._of_frame) for layer in found]
+        return layers if is_several(interval) else layers[0]
+
     def labels(
         self,
         interval: float,

@@ -127,6 +127,15 @@ class Terrain:
         asked: _Asked,
         progress: _Report,
     ) -> list[Layer]: ...
+    def bands(
+        self,
+        intervals: list[float],
+        base: float,
+        levels: list[float] | None,
+        to_crs: str | None,
+        to_unit: str,
+        progress: _Report,
+    ) -> tuple[list[Layer], _Warned]: ...
     def dem(self, cells: _Cells, progress: _Report) -> Raster: ...
     def sample(self, points: list[list[float]]) -> list[list[float]]: ...
     def profile(self, line: list[list[float]], step: float | None) -> list[list[float]]: ...
@@ -175,6 +184,16 @@ def contour(
     smooth: float | None,
     labels: float | None,
     asked: _Asked,
+    progress: _Report,
+) -> tuple[list[Layer], _Warned]: ...
+def bands(
+    dem: Raster,
+    given: _Options,
+    intervals: list[float],
+    base: float,
+    levels: list[float] | None,
+    to_crs: str | None,
+    to_unit: str,
     progress: _Report,
 ) -> tuple[list[Layer], _Warned]: ...
 def derive(

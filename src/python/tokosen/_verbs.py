@@ -215,6 +215,38 @@ def contour(
     return layers if is_several(interval) else layers[0]
 
 
+def bands(
+    dem: Any,
+    interval: float | Sequence[float] | None = None,
+    *,
+    levels: Sequence[float] | None = None,
+    base_level: float = 0.0,
+    to_crs: Any = None,
+    to_unit: Unit = "m",
+    output: Output = None,
+    progress: Progress = None,
+    **given: Unpack[GroundOptions],
+) -> Any:
+    """The areas between the contours of a height map, as polygons. For those between contours see `Terrain.bands`.
+
+    The arguments are those of `contour`; the attributes are those of `Terrain.bands`.
+
+    >>> hill = tokosen.dem(tokosen.example(), cell=10)
+    >>> sorted(set(tokosen.bands(hill, 10)["elev_from"].tolist()))
+    [10.0, 20.0, 30.0, 40.0]
+    """
+    intervals = intervals_of(interval, levels)
+    elevations = None if levels is None else [float(level) for level in levels]
+    ground = options(given, GroundOptions)
+    with reporting(progress) as report:
+        found, warned = _tokosen.bands(
+            raster("dem", dem), ground, intervals, base_level, elevations, crs_text(to_crs), to_unit, report
+        )
+    warn_of(warned, stacklevel=3)
+    layers = [shaped(layer, output, False) for layer in found]
+    return layers if is_several(interval) else layers[0]
+
+
 Derived = Literal[
     "slope",
     "aspect",

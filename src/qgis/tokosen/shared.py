@@ -278,6 +278,15 @@ LABELS = yes(
     advanced=True,
     help="A GeoPackage gets a layer labels, a DXF gets texts. The style of the result has labels without this option.",
 )
+BANDS = vector_output(
+    "--bands",
+    "Areas between the lines",
+    POLYGONS,
+    name="BANDS",
+    optional=True,
+    style="bands",
+    help="Polygons with the levels below and above. Where they meet, they have the vertices of the lines.",
+)
 TO_CRS = crs(
     "--to-crs",
     "Coordinate reference system of the result",
@@ -293,6 +302,15 @@ TO_UNIT = choice(
 )
 
 PREVIEW = file_output("--preview", "Picture of the result", PICTURE, advanced=True)
+SHIFT = [
+    text(
+        "--vertical-shift",
+        "File with a grid of shifts between height systems",
+        advanced=True,
+        help="Its values are added to the heights: .gtx, .tif in degrees, .isg, or .par of the Geospatial Information Authority of Japan.",
+    ),
+    yes("--vertical-shift-inverse", "Take the values of the grid off the heights instead", advanced=True),
+]
 DIAGNOSTICS = vector_output(
     "--diagnostics",
     "Diagnostics",

@@ -10,6 +10,7 @@ from qgis.core import (
     QgsMarkerSymbol,
     QgsPalLayerSettings,
     QgsProcessingLayerPostProcessorInterface,
+    QgsProperty,
     QgsRasterBandStats,
     QgsRasterDataProvider,
     QgsRasterShader,
@@ -18,6 +19,7 @@ from qgis.core import (
     QgsRuleBasedRenderer,
     QgsSingleBandPseudoColorRenderer,
     QgsSingleSymbolRenderer,
+    QgsSymbolLayer,
     QgsTextBufferSettings,
     QgsTextFormat,
     QgsUnitTypes,
@@ -123,6 +125,15 @@ def regions(layer):
     layer.setRenderer(categories("class", {name: area(color) for name, color in LANDFORMS.items()}))
 
 
+def bands(layer):
+    """A colour by height; water is blue."""
+    height = "scale_linear(\"elev_mid\", minimum(\"elev_mid\"), maximum(\"elev_mid\"), 1, 0)"
+    tint = f"if(\"kind\" = 'ground', ramp_color('Spectral', {height}), color_rgb({LANDFORMS['water']}))"
+    symbol = area(LANDFORMS["slope"], border=INPUT)
+    symbol.symbolLayer(0).setDataDefinedProperty(QgsSymbolLayer.PropertyFillColor, QgsProperty.fromExpression(tint))
+    layer.setRenderer(QgsSingleSymbolRenderer(symbol))
+
+
 def skeleton(layer):
     layer.setRenderer(categories("kind", {"ridge": line(RIDGE, 0.4), "canyon": line(CANYON, 0.4)}))
 
@@ -184,10 +195,10 @@ def color_of(text):
 
 STYLES = {
     paint.__name__: paint
-    for paint in (contours, repaired, findings, regions, skeleton, steep, outlines, hillshade, slope, difference)
+    for paint in (contours, repaired, findings, regions, bands, skeleton, steep, outlines, hillshade, slope, difference)
 }
 # The field that a style needs. A DXF has no fields; then the look stays that of QGIS.
-FIELDS = {"contours": "is_index", "findings": "severity", "regions": "class", "skeleton": "kind"}
+FIELDS = {"contours": "is_index", "findings": "severity", "regions": "class", "bands": "elev_mid", "skeleton": "kind"}
 
 
 class Processor(QgsProcessingLayerPostProcessorInterface):

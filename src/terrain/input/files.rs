@@ -79,6 +79,9 @@ impl Input {
             let SpotHeights { points, sigmas, crs, unit_hint, stated_unit } =
                 read_spot_heights(path, &self.reading(source))?.collect(&mut about);
             self.take_findings(about, crs.as_ref()).map_err(|error| error.in_file(path))?;
+            if let Some(system) = crs.as_ref().and_then(Crs::height_system) {
+                self.note_heights(&path.display(), Some(&system));
+            }
             let spots = points.into_iter().zip(sigmas.into_iter().map(|own| own.or(sigma)));
             let signs = Signs { stated: stated_unit.as_ref(), hint: unit_hint.as_ref() };
             let added = self.add_spots_with(spots, crs.as_ref(), signs);
@@ -95,6 +98,10 @@ impl Input {
         let Report { value, findings } = read_features(role, path, &self.reading(source))?;
         let FileFeatures { features, crs, unit } = value;
         self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        // Most features have no heights, and name no system.
+        if let Some(system) = crs.as_ref().and_then(Crs::height_system) {
+            self.note_heights(&path.display(), Some(&system));
+        }
         let signs = Signs { stated: unit.as_ref(), hint: None };
         self.add_from(&path.display().to_string(), features, crs.as_ref(), signs).map_err(|error| error.in_file(path))
     }
@@ -115,7 +122,9 @@ impl Input {
     /// # Errors
     /// As [`read_dem`] and [`Input::set_base`]; the error names the file.
     pub fn read_base(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
-        let Report { value: DemFile { dem, .. }, findings } = step(progress, "reading", || read_dem(path))?;
+        let Report { value: DemFile { dem, height_system, .. }, findings } =
+            step(progress, "reading", || read_dem(path))?;
+        self.note_heights(&path.display(), height_system.as_ref());
         let name = path.display();
         for finding in findings {
             let system = match finding.kind {

@@ -175,6 +175,8 @@ impl Input {
     ) -> Result<Self> {
         let mut findings = Vec::new();
         let mut map = read.collect(&mut findings);
+        let named = map.height_system.take();
+        map.height_system = named.or_else(|| map.crs.as_ref().and_then(Crs::height_system));
         findings.extend(unite_levels(&mut map, unit));
         let Plane { map, is_guessed: is_plane_guessed } = settle(map, options.plane_unit, unit, &mut findings)?;
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;

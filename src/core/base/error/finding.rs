@@ -229,6 +229,10 @@ kinds! {
     CatchmentCut = "catchment-cut", Warning, "catchments that reach the edge of the height map";
     /// A place that the water of a flood was to come from is not below the level, or outside the height map.
     FloodSourceDry = "flood-source-dry", Warning, "places that no flood can come from";
+    /// A contour ends inside the map. It is no border of a band.
+    BandOpenLine = "band-open-line", Warning, "contours that bound no band";
+    /// The lines around an area do not agree on two neighbouring levels.
+    BandUnclear = "band-unclear", Warning, "bands of more than one step";
     /// Nearly all pixels of the terrain tiles lie beyond the height map.
     TilesBeyondMap = "tiles-beyond-map", Warning, "terrain tiles mostly beyond the map";
     /// A raster has more than one band; the first was taken.
@@ -239,6 +243,10 @@ kinds! {
     SeamEnd = "seam-end", Warning, "new contours that end at the border of a tile";
     /// Tiles disagree about the side of a contour on which the ground is higher.
     SeamSides = "seam-sides", Warning, "contours whose higher side differs between tiles";
+    /// Inputs are in different height systems. Their heights were used as they are.
+    MixedHeights = "mixed-heights", Warning, "different height systems treated as one";
+    /// An input names no height system, and another one does.
+    UnknownHeights = "unknown-heights", Note, "height systems that are not named";
     /// Heights are in another unit than metres.
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
     /// A picture in colour does not state how its colours become heights. It is read as an elevation tile of GSI.

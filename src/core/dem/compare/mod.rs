@@ -27,6 +27,7 @@ mod sample;
 mod slopes;
 mod statistics;
 mod tally;
+mod trend;
 
 pub use bands::{BandShare, outside_bands};
 pub use classes::{Class, SLOPE_BOUNDS};
@@ -43,6 +44,7 @@ pub use sample::Strip;
 pub use sample::{height_at, heights_at_places, heights_between};
 pub use slopes::SlopeError;
 pub use statistics::{Extreme, Statistics, statistics};
+pub use trend::{Trend, trend};
 
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -97,6 +99,9 @@ pub struct Comparison {
     /// The heights outside the bands of the contours. `None` if there are no contours. [`compare`] does not set it, see
     /// [`outside_bands`].
     pub bands: Option<BandShare>,
+    /// The plane through the differences, if it explains more than half of their squares. [`compare`] does not set it, see [`trend`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trend: Option<Trend>,
     /// Properties of the heights of A.
     pub a: HeightFigures,
     /// Properties of the heights of B.
@@ -152,6 +157,7 @@ pub fn compare(a: &dyn RasterRows, b: &dyn RasterRows, params: &CompareParams<'_
         slope: slopes.error(),
         significance: params.sigma.map(|sigma| significance(beyond, &overall, sigma)),
         bands: None,
+        trend: None,
         a: of_a,
         b: of_b,
     })

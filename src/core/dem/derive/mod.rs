@@ -16,6 +16,7 @@ pub use flow::{
     flow_accumulation, flow_directions, flow_lines, snapped_outlet,
 };
 pub use note::{HeightsFrom, steep_note};
+pub use outline::square_outlines;
 pub use rows::{Derivative, Derived};
 pub use slope::{aspect, shade, slope};
 pub use steep::{SteepArea, SteepParams, Steeps, steep};

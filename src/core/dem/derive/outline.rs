@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 
-use crate::base::Grid;
-use crate::raster::GroundScale;
+use crate::base::{Grid, parallel};
+use crate::raster::{Dem, GroundScale};
 
 /// The set of a cell that belongs to none.
 pub(super) const OUTSIDE: u32 = u32::MAX;
@@ -169,6 +169,20 @@ fn split(ring: Vec<Corner>) -> Vec<Vec<Corner>> {
 fn turns_left(ring: &[Corner]) -> bool {
     let cross = |w: &[Corner]| i128::from(w[0].0) * i128::from(w[1].1) - i128::from(w[1].0) * i128::from(w[0].1);
     ring.windows(2).map(cross).sum::<i128>() < 0
+}
+
+/// The outlines of the squares between four cell centres with heights: for each polygon the outer ring, then the holes, in map
+/// units. Polygons meet at corners only.
+pub fn square_outlines(dem: &Dem) -> Vec<Vec<Vec<DVec2>>> {
+    let Grid { cols, rows, cell, .. } = dem.grid;
+    let grid = Grid { corner: dem.grid.center(0, 0), cell, cols: cols.saturating_sub(1), rows: rows.saturating_sub(1) };
+    let sets = parallel::values(grid.len(), |square| {
+        let first = square / grid.cols * cols + square % grid.cols;
+        let has_heights =
+            [first, first + 1, first + cols, first + cols + 1].iter().all(|&cell| !dem.values[cell].is_nan());
+        if has_heights { 0 } else { OUTSIDE }
+    });
+    outlines(grid.cols, &sets).iter().map(|part| on_map(&part.rings, &grid)).collect()
 }
 
 /// Rings on the map.

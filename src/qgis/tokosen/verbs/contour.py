@@ -52,8 +52,10 @@ index contour (is_index), a depression contour (depression) and closed (closed).
             advanced=True,
             help="Cells whose centres lie outside of it are no ground.",
         ),
+        *shared.SHIFT,
         shared.TO_CRS,
         shared.TO_UNIT,
         vector_output("--output", "Contours", LINES, style="contours"),
+        shared.BANDS,
         shared.PREVIEW,
     ]

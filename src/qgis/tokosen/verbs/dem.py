@@ -36,6 +36,7 @@ system in metres, or in the one that you choose.
         shared.BASE,
         shared.BASE_FADE,
         shared.CELL_DEGREES,
+        *shared.SHIFT,
         shared.TO_CRS,
         shared.TO_UNIT,
         *shared.SURFACE,

@@ -41,6 +41,7 @@ the input, only the lines at its levels are written.
         *shared.SURFACE,
         *shared.CLEANING,
         vector_output("--output", "Contours", LINES, style="contours"),
+        shared.BANDS,
         shared.PREVIEW,
         shared.DIAGNOSTICS,
     ]

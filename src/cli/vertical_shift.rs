@@ -1,0 +1,63 @@
+//! `--vertical-shift`: heights in another height system.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::base::error::{Error, Finding, FindingKind};
+use tokosen::io::raster::{SHIFT_EXTENSIONS, read_shift_grid};
+use tokosen::raster::{Dem, ShiftGrid, ShiftWay};
+
+use super::failure::Failure;
+use super::output::extension;
+
+#[derive(Debug, Clone, Args)]
+pub struct ShiftArgs {
+    /// Add the values of this grid to the heights of the height map, to bring them to another height system: .gtx, .tif (as
+    /// in PROJ-data), .isg or .par (parameters of the Geospatial Information Authority of Japan). Bilinear, as PROJ does.
+    /// Cells outside of the grid lose their heights
+    #[arg(long, value_name = "GRID")]
+    pub vertical_shift: Option<PathBuf>,
+    /// Take the values of --vertical-shift off the heights instead. With heights of the geoid, heights above the ellipsoid become
+    /// heights above the sea
+    #[arg(long, requires = "vertical_shift", hide_short_help = true)]
+    pub vertical_shift_inverse: bool,
+}
+
+/// A grid of shifts that was read, and what is done with it.
+pub struct Shift {
+    grid: ShiftGrid,
+    way: ShiftWay,
+}
+
+impl ShiftArgs {
+    /// The file that is read.
+    pub fn file(&self) -> Option<&Path> {
+        self.vertical_shift.as_deref()
+    }
+
+    /// Checks what can be checked before anything is read.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.file().filter(|path| !SHIFT_EXTENSIONS.contains(&extension(path).as_str())) {
+            Some(path) => {
+                let known = SHIFT_EXTENSIONS.join(", .");
+                Err(Failure::Usage(format!("{}: grids of shifts are read as .{known}", path.display())))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Reads the grid, if there is one.
+    pub fn read(&self) -> Result<Option<Shift>, Failure> {
+        let way = if self.vertical_shift_inverse { ShiftWay::Subtract } else { ShiftWay::Add };
+        Ok(self.file().map(|path| read_shift_grid(path).map(|grid| Shift { grid, way })).transpose()?)
+    }
+}
+
+impl Shift {
+    /// Shifts the heights of a height map. Says so if cells lose theirs.
+    pub fn apply(&self, dem: &mut Dem) -> Result<Option<Finding>, Error> {
+        let lost = self.grid.shift(dem, self.way)?;
+        let message = format!("{lost} cells lie outside of the grid {}; they have no height", self.grid.file.display());
+        Ok((lost > 0).then(|| Finding::general(FindingKind::NoHeight, message)))
+    }
+}

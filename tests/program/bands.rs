@@ -1,0 +1,63 @@
+//! `--bands`: areas between the lines, in files.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use std::fs;
+
+use rusqlite::Connection;
+use serde_json::Value;
+
+use crate::guide_pages::{commands, inputs, run};
+use crate::running::{Running, folder_with_part};
+
+#[test]
+fn areas_are_written_beside_the_lines() {
+    let folder = folder_with_part("in.gpkg");
+    let said = folder.succeeds("densify in.gpkg -i 10,20 -o lines.gpkg --bands areas.gpkg --surface linear");
+    assert!(said.contains("layer bands_10m (") && said.contains("layer bands_20m ("), "{said}");
+    let db = Connection::open(folder.path("areas.gpkg")).unwrap();
+    for (layer, step) in [("bands_10m", 10.0), ("bands_20m", 20.0)] {
+        let sums = format!(
+            "SELECT sum(share), min(elev_to - elev_from), min(area_m2), count(*) FROM {layer} WHERE kind = 'ground'"
+        );
+        let [share, least, area, count]: [f64; 4] = db
+            .query_row(&sums, [], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get::<_, i64>(3)? as f64]))
+            .unwrap();
+        assert!(
+            (share - 1.0).abs() < 1e-9 && least == step && area > 0.0 && count > 20.0,
+            "{layer}: {share} {least} {count}"
+        );
+    }
+    // In feet, and in another file for each interval.
+    folder.succeeds("densify in.gpkg -i 100,200 --to-unit ft -o lines.shp --bands areas.geojson --surface linear");
+    let text = fs::read_to_string(folder.path("areas_bands_100ft.geojson")).unwrap();
+    let read: Value = serde_json::from_str(&text).unwrap();
+    let first = &read["features"][0]["properties"];
+    let [from, to, middle] = ["elev_from", "elev_to", "elev_mid"].map(|name| first[name].as_f64().unwrap());
+    assert!(
+        (to - from - 100.0).abs() < 1e-9 && (from / 100.0).fract() == 0.0 && (middle - from - 50.0).abs() < 1e-9,
+        "{first}"
+    );
+    assert!(folder.path("areas_bands_200ft.geojson").exists());
+}
+
+#[test]
+fn files_that_hold_no_areas_are_refused_before_the_work() {
+    let folder = folder_with_part("in.gpkg");
+    for (command, why) in [
+        ("densify in.gpkg -i 10 -o lines.gpkg --bands areas.tif", "areas are written as"),
+        ("densify in.gpkg -i 10 -o lines.gpkg --bands in.gpkg/x", "areas are written as"),
+    ] {
+        let said = folder.ends(command, 2);
+        assert!(said.contains(why), "{command}: {said}");
+    }
+}
+
+#[test]
+fn the_commands_of_the_page_run() {
+    let folder = inputs();
+    run(&folder, "tokosen dem contours.gpkg --cell 20 -o dem.tif --surface linear");
+    let commands = commands(include_str!("../../src/guide/bands.md"));
+    assert_eq!(commands.len(), 2);
+    commands.into_iter().for_each(|command| assert!(run(&folder, command).contains("areas")));
+}
