@@ -66,7 +66,7 @@ fn extensions(surface: &Surface) -> Vec<ContourLine> {
                 points.reverse();
             }
             let source = Source::Interpolated;
-            Some(ContourLine { elevation, points, source, index: false, depression: false, expected: None })
+            Some(ContourLine { elevation, points, source, index: false, depression: false, expected: None, kind: None })
         })
     })
 }
