@@ -21,6 +21,7 @@ mod flags;
 mod flood;
 mod flow;
 mod for_map;
+mod height_map;
 mod hints;
 mod input;
 mod interrupt;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use tokosen::io::VectorSource;
 
+use crate::cli::height_map::GridArgs;
 use crate::cli::input::InputArgs;
-use crate::cli::output::GridArgs;
 use crate::cli::source::source;
 use crate::cli::surface::SurfaceArgs;
 

@@ -20,8 +20,9 @@ use side::{ReadSides, Sides};
 
 use super::console::Console;
 use super::failure::Failure;
+use super::height_map::ABOUT_GRID;
 use super::input::InputArgs;
-use super::output::{self, ABOUT_GRID};
+use super::output;
 use super::surface::ABOUT_SURFACE;
 use super::unit::UnitArg;
 use super::{memory, summary};

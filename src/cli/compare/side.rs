@@ -11,10 +11,10 @@ use tokosen::{GridSpec, Options};
 
 use crate::cli::console::Console;
 use crate::cli::failure::Failure;
+use crate::cli::height_map::GridArgs;
 use crate::cli::input::{InputArgs, Scope};
 use crate::cli::job::build;
 use crate::cli::map::MapArgs;
-use crate::cli::output::GridArgs;
 use crate::cli::surface::{ABOUT_SURFACE, SurfaceArgs};
 
 /// The arguments about the sides.
