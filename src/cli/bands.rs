@@ -11,8 +11,8 @@ use tokosen::io::layer::{Layer, bands_layer, of_bands};
 use tokosen::io::{StagedOutput, contour_files, write_layers_back};
 
 use super::console::Console;
+use super::extensions::check_vector;
 use super::failure::Failure;
-use super::output::check_vector;
 use super::plane::ToCrsArgs;
 use super::unit::in_units;
 

@@ -18,13 +18,14 @@ use tokosen::terrain::all_right;
 
 use super::base::{self, BaseArgs};
 use super::console::Console;
+use super::extensions::{check_vector, open_raster};
 use super::failure::Failure;
 use super::flow::{FlowArgs, FlowOutputs};
 use super::height_map::{ABOUT_GRID, CogArgs, GridArgs};
 use super::input::{InputArgs, Scope};
 use super::job::build;
 use super::light::LightArgs;
-use super::output::{self, write_if_asked};
+use super::output::write_if_asked;
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
 use super::surface::{ABOUT_SURFACE, SurfaceArgs};
@@ -237,7 +238,7 @@ impl DeriveArgs {
             return Err(Failure::Usage(message));
         }
         if let Some(path) = &self.steep {
-            output::check_vector(path, "steep places are written as .gpkg, .geojson, .shp, .kml or .kmz")?;
+            check_vector(path, "steep places are written as .gpkg, .geojson, .shp, .kml or .kmz")?;
         }
         self.flow.check()?;
         self.cog.check(self.rasters())?;
@@ -260,7 +261,7 @@ impl DeriveArgs {
     }
 
     fn open(&self) -> Result<Outputs, Failure> {
-        let raster = |path: &Option<PathBuf>| path.as_deref().map(output::open_raster).transpose();
+        let raster = |path: &Option<PathBuf>| path.as_deref().map(open_raster).transpose();
         Ok(Outputs {
             slope: raster(&self.slope)?,
             aspect: raster(&self.aspect)?,

@@ -11,8 +11,8 @@ use tokosen::io::layer::{break_lines, of_conflicts, pit_points, stream_lines};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
 
 use super::console::Console;
+use super::extensions::check_extension;
 use super::failure::Failure;
-use super::output::check_extension;
 
 #[derive(Debug, Clone, Args)]
 pub struct DiagnosticsArgs {

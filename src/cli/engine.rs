@@ -7,9 +7,9 @@ use tokosen::GridSpec;
 use tokosen::io::raster::{Engine, EngineFiles};
 
 use super::console::Console;
+use super::extensions::check_extension;
 use super::failure::Failure;
 use super::flags::Flags;
-use super::output::check_extension;
 
 /// The program that a height map is for.
 #[derive(Debug, Clone, Args)]

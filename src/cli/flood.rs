@@ -13,9 +13,10 @@ use tokosen::raster::{Dem, GroundScale};
 use tokosen::terrain::flood_source;
 
 use super::console::Console;
+use super::extensions::{check_vector, is_raster};
 use super::failure::Failure;
 use super::memory;
-use super::output::{check_vector, is_raster, write_if_asked};
+use super::output::write_if_asked;
 use super::places::{self, PlaceArg};
 
 /// Water that is deeper than this many times its height above the streams stands in a pit.

@@ -16,10 +16,11 @@ use tokosen::raster::{Dem, GroundScale, RasterRows};
 use tokosen::terrain::Outlets;
 
 use super::console::Console;
+use super::extensions::{check_vector, is_raster, open_raster};
 use super::failure::Failure;
 use super::flood::{FloodArgs, Streams};
 use super::outlets::{self, OutletArgs};
-use super::output::{check_vector, is_raster, open_raster, write_if_asked};
+use super::output::write_if_asked;
 use super::{memory, places};
 
 #[derive(Debug, Clone, Args)]

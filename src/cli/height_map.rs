@@ -10,8 +10,8 @@ use tokosen::io::raster::{PngEncoding, RasterParams, TiffLayout};
 use tokosen::io::tiles::TerrainTiles;
 use tokosen::surface::Uncertainty;
 
+use super::extensions::is_tiff;
 use super::failure::Failure;
-use super::output::is_tiff;
 use super::terrain_tiles::TerrainTileArgs;
 
 /// The flags that ask for a grid.

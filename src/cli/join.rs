@@ -12,10 +12,10 @@ use tokosen::tiling::{Folder, Mosaic, joined_lines};
 
 use super::console::Console;
 use super::densify::describe;
+use super::extensions::{check_vector, open_raster};
 use super::failure::Failure;
 use super::height_map::CogArgs;
 use super::levels::output_layers;
-use super::output::{check_vector, open_raster};
 use super::plane::ToCrsArgs;
 use super::summary;
 

@@ -14,13 +14,14 @@ use tokosen::terrain::HtmlParams;
 use tokosen::{GridSpec, Interval, Terrain};
 
 use super::console::Console;
+use super::extensions::{check_extension, extension};
 use super::failure::Failure;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::part::PartArgs;
 use super::picture::{Asked, Drawing};
+use super::summary;
 use super::surface::SurfaceArgs;
-use super::{output, summary};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
@@ -104,9 +105,9 @@ impl MeshArgs {
             (Form::Surface, &SURFACE_EXTENSIONS),
         ];
         let known: Vec<&str> = forms.iter().flat_map(|(_, extensions)| *extensions).copied().collect();
-        output::check_extension(&self.output, "models", &known)?;
-        let extension = output::extension(&self.output);
-        let is_own = |(form, own): &(Form, &[&str])| own.contains(&extension.as_str()).then_some(*form);
+        check_extension(&self.output, "models", &known)?;
+        let kind = extension(&self.output);
+        let is_own = |(form, own): &(Form, &[&str])| own.contains(&kind.as_str()).then_some(*form);
         let form = forms.iter().find_map(is_own).unwrap_or(Form::Model);
         let usage = |message: String| Err(Failure::Usage(message));
         for (flags, meaning, fits) in [

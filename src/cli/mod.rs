@@ -15,6 +15,7 @@ mod densify;
 mod derive;
 mod diagnostics;
 mod engine;
+mod extensions;
 mod failure;
 mod features;
 mod flags;

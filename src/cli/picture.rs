@@ -12,9 +12,9 @@ use tokosen::io::fonts::{font_files, read_font};
 use tokosen::io::raster::write_picture;
 
 use super::console::Console;
+use super::extensions::check_extension;
 use super::failure::Failure;
 use super::flags::Flags;
-use super::output::check_extension;
 
 /// A picture of the surface and the lines.
 #[derive(Debug, Clone, Args)]

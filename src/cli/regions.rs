@@ -11,11 +11,11 @@ use tokosen::subdomains::{Landform, LandformClass, landforms};
 use tokosen::terrain::clip_areas;
 
 use super::console::Console;
+use super::extensions::check_vector;
 use super::failure::Failure;
 use super::features::{self, WaterArgs, paths};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
-use super::output;
 use super::part::PartArgs;
 use super::picture::{Asked, Drawing, PictureArgs};
 use super::plane::ToCrsArgs;
@@ -59,10 +59,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
-    output::check_vector(
-        &args.output,
-        "areas are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz",
-    )?;
+    check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz")?;
     args.to_crs.check(&args.output)?;
     let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(paths(args.water.sources()));
     let output = PlannedOutput { path: &args.output, layers: &[REGIONS_LAYER] };

@@ -8,8 +8,8 @@ use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
 
 use super::console::Console;
+use super::extensions::check_extension;
 use super::failure::Failure;
-use super::output;
 
 /// The files of a table and of charts, under temporary names until the work is done.
 pub struct Results {
@@ -20,7 +20,7 @@ impl Results {
     /// Opens the files.
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
         for path in paths {
-            output::check_extension(path, "tables and charts", &["csv", "svg", "png"])?;
+            check_extension(path, "tables and charts", &["csv", "svg", "png"])?;
         }
         let open = |path: &PathBuf| Ok((StagedOutput::create(path)?, path.clone()));
         Ok(Self { staged: paths.iter().map(open).collect::<Result<_, Failure>>()? })

@@ -12,11 +12,11 @@ use tokosen::terrain::{clip_edges, clip_skeleton, clip_streams, clip_subdivision
 use tokosen::tuning::SkeletonTuning;
 
 use super::console::Console;
+use super::extensions::check_vector;
 use super::failure::Failure;
 use super::features::{self, StreamArgs, WaterArgs, paths};
 use super::input::{InputArgs, Scope};
 use super::job::Job;
-use super::output;
 use super::part::PartArgs;
 use super::picture::{Asked, Drawing, PictureArgs};
 use super::plane::ToCrsArgs;
@@ -74,10 +74,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
-    output::check_vector(
-        &args.output,
-        "lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz",
-    )?;
+    check_vector(&args.output, "lines are written as .geojson, .gpkg, .fgb, .parquet, .dxf, .shp, .kml or .kmz")?;
     args.to_crs.check(&args.output)?;
     if !args.resolution.is_finite() || args.resolution < 0.0 {
         return Err(Failure::Usage(format!("--resolution is {}, it must be 0 or more", args.resolution)));

@@ -7,8 +7,8 @@ use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::io::raster::{SHIFT_EXTENSIONS, read_shift_grid};
 use tokosen::raster::{Dem, ShiftGrid, ShiftWay};
 
+use super::extensions::extension;
 use super::failure::Failure;
-use super::output::extension;
 
 #[derive(Debug, Clone, Args)]
 pub struct ShiftArgs {

@@ -10,8 +10,8 @@ use tokosen::io::StagedOutput;
 use tokosen::io::tiles::{TileFormat, tile_sets};
 
 use super::console::Console;
+use super::extensions::check_extension;
 use super::failure::Failure;
-use super::output::check_extension;
 
 /// The flags about maps of tiles.
 #[derive(Debug, Clone, Args)]

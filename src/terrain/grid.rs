@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::outline::Outline;
-use super::samples::Samples;
+use super::samples::{MOST_CELLS, Samples};
 use tokosen_core::base::Grid;
 use tokosen_core::base::error::{CrsNeed, Error, Result};
 use tokosen_core::base::memory;
@@ -54,8 +54,6 @@ pub enum GridSpec {
     },
 }
 
-/// Cells that a height map may have, whatever the memory.
-pub(super) const MOST_CELLS: f64 = 4e9;
 /// Bytes per cell while the height map is computed and written: the height, the triangle, the share of the file.
 const BYTES_PER_CELL: f64 = 12.0;
 /// The same with a base: its heights, and the corrections on all grids.

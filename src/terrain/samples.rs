@@ -5,8 +5,8 @@ use tokosen_core::base::Grid;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::subdomains::FrameRing;
 
-use super::grid::MOST_CELLS;
-
+/// Cells that a height map may have, whatever the memory.
+pub(super) const MOST_CELLS: f64 = 4e9;
 /// Rounding of the number of samples along a frame.
 const ROUNDING: f64 = 1e-9;
 

@@ -12,7 +12,7 @@ use tokosen_core::features::Features;
 use tokosen_core::streams::{RiverArea, StreamLine};
 
 use super::bytes::{In, Out};
-use super::pieces::Window;
+use super::window::Window;
 use crate::terrain::Beside;
 
 /// Bytes of a feature and an empty list of points: each feature has at least so many.

@@ -26,6 +26,7 @@ mod plan;
 mod result;
 mod squares;
 mod stored;
+mod window;
 mod work;
 
 pub use divide::STEP;

@@ -19,9 +19,10 @@ use super::divide::{Block, STEP, divide};
 use super::findings::Stored;
 use super::folder::{Folder, HEIGHTS, INPUT, LINES, RESULT, TILES};
 use super::manifest::{Levels, Manifest, Shared, StoredGround, Task};
-use super::pieces::{Window, around, boxes, encode};
+use super::pieces::{around, boxes, encode};
 use super::squares::Squares;
 use super::stored;
+use super::window::Window;
 use crate::terrain::{Beside, Input, Options, Planned, TileParams, lake_height};
 
 /// Bytes of memory of a task per vertex of contours in its window.

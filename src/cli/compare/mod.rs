@@ -19,10 +19,10 @@ use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, rea
 use side::{ReadSides, Sides};
 
 use super::console::Console;
+use super::extensions::open_raster;
 use super::failure::Failure;
 use super::height_map::ABOUT_GRID;
 use super::input::InputArgs;
-use super::output;
 use super::surface::ABOUT_SURFACE;
 use super::unit::UnitArg;
 use super::{memory, summary};
@@ -30,7 +30,7 @@ use super::{memory, summary};
 /// Runs the verb.
 pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let contents = check(args, console)?;
-    let staged = args.output.as_deref().map(output::open_raster).transpose()?;
+    let staged = args.output.as_deref().map(open_raster).transpose()?;
     let page = args.report.as_deref().map(open_page).transpose()?;
 
     let mut findings = Vec::new();

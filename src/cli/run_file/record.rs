@@ -10,8 +10,8 @@ use tokosen::surface::Surface;
 
 use super::file::RunFile;
 use super::inputs::inputs;
+use crate::cli::extensions::check_extension;
 use crate::cli::failure::Failure;
-use crate::cli::output::check_extension;
 
 /// The notes of a run, and the file that they go to.
 #[derive(Debug)]
