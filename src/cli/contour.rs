@@ -258,7 +258,7 @@ impl ContourArgs {
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", self.dem.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
-        let heights = heights.map_or("unknown: the input does not name their system", |system| system.name.as_str());
+        let heights = heights.map_or("the input does not name their system", |system| system.name.as_str());
         console.say(&format!("heights    {heights}"));
         let units = Units::all(self.levels.to_unit.unit());
         if let (Some(change), Some(deviation)) = (&found.smoothing, self.smooth) {

@@ -233,8 +233,7 @@ impl MapArgs {
             console.say(&format!("unit       the elevations of the input are {unit}, and so are these figures"));
         }
         console.say(&format!("crs        {}", plane::describe(map, console.reprojection())));
-        let heights =
-            map.height_system.as_ref().map_or("unknown: the input does not name their system", |s| s.name.as_str());
+        let heights = map.height_system.as_ref().map_or("the input does not name their system", |s| s.name.as_str());
         console.say(&format!("heights    {heights}"));
         if let Some(why) = plane::why_not_wgs84(console.reprojection()).filter(|_| self.work_crs.is_none()) {
             console.say(&format!("           {why}"));

@@ -144,7 +144,7 @@ mod tests {
             ("tokosen dem a.gpkg --cell 10m -o b.tif", "give the number alone, 10;"),
             ("tokosen dem a.gpkg --cell ten -o b.tif", "invalid float literal"),
             ("tokosen dem a.gpkg --bbox 1,2,3,4 -o a.tif", "--extent"),
-            ("tokosen dem a.gpkg --size 5 -o a.tif", "--cell"),
+            ("tokosen densify a.gpkg -i 5 --size 5 -o b.gpkg", "--cell"),
             ("tokosen FG-GML-5437.zip", "'tokosen check FG-GML-5437.zip' says what is in it"),
             ("tokosen cut-fill a.tif", "tokosen volume --help"),
             ("tokosen densfy a.gpkg", "densify"),

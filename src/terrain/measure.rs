@@ -11,8 +11,8 @@ use tokosen_core::base::{ElevationUnit, Grid, parallel};
 use tokosen_core::contour::{Interval, SpotHeights};
 use tokosen_core::crs::{Transform, converted};
 use tokosen_core::dem::compare::{
-    BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
-    trend,
+    BandShare, CompareParams, Comparison, Trend, at_check_points, compare, contour_distances, height_figures,
+    outside_bands, trend,
 };
 use tokosen_core::raster::{InUnit, locate};
 use tokosen_core::tin::{NONE, Tin};
@@ -74,7 +74,9 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
             *figures = height_figures(&**dem, interval.as_ref())?;
         }
     }
-    found.trend = trend(a, b)?.filter(|trend| trend.explained > LIKE_A_DATUM);
+    // Two height systems differ by nearly the same everywhere on a map: such a plane does not cross zero.
+    let is_like_a_datum = |trend: &Trend| trend.explained > LIKE_A_DATUM && trend.lowest * trend.highest > 0.0;
+    found.trend = trend(a, b)?.filter(is_like_a_datum);
     found.bands = bands(pair, progress)?.map(|bands| bands.in_unit(unit));
     Ok(found)
 }

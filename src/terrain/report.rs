@@ -1,6 +1,7 @@
 //! The report of a comparison of two sides: sentences and a page.
 
 use super::compare::{Kind, Pair, Side};
+use tokosen_core::base::Units;
 use tokosen_core::base::error::Result;
 use tokosen_core::crs::HeightSystem;
 use tokosen_core::dem::compare::{Comparison, Trend};
@@ -18,15 +19,15 @@ fn about_trend(pair: &Pair, found: &Comparison, trend: &Trend) -> String {
     let named = |side: &Side| side.height_system.as_ref().map_or("not named", |system| system.name.as_str()).to_owned();
     let systems: Vec<&HeightSystem> = [&pair.a, &pair.b].into_iter().filter_map(|s| s.height_system.as_ref()).collect();
     let known = match systems[..] {
-        [a, b] => a.difference(b).into_iter().collect(),
-        [one] => one.differences(),
-        _ => Vec::new(),
+        [a, b] => a.difference(b).map(|usual| format!("; {} ({})", usual.text, usual.source)),
+        _ => None,
     };
-    let known: String = known.iter().map(|usual| format!(" {} ({}).", usual.text, usual.source)).collect();
+    // Usual differences are in metres.
+    let known = Units::all(found.unit).message(&known.unwrap_or_default());
     let [low, high] = [trend.lowest, trend.highest].map(|height| found.unit.about(height));
     format!(
         "A plane from {low:.2} to {high:.2} {} explains {:.0} % of the squared differences. The bias may come from different height \
-         systems (A: {}, B: {}) and not from errors of the heights: look up the systems of both.{known}",
+         systems (A: {}, B: {}) and not from errors of the heights: look up the systems of both{known}.",
         found.unit.symbol(),
         100.0 * trend.explained,
         named(&pair.a),

