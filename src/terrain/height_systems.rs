@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+#[cfg(feature = "io")]
 use super::input::Input;
 use tokosen_core::base::error::{Finding, FindingKind};
 use tokosen_core::crs::{HeightSystem, mixed_heights};
@@ -35,6 +36,7 @@ pub fn height_systems_differ(
     }
 }
 
+#[cfg(feature = "io")]
 impl Input {
     /// Compares the height system of a further input with that of the contours.
     pub(super) fn note_heights(&mut self, of: &dyn Display, system: Option<&HeightSystem>) {

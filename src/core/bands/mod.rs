@@ -3,11 +3,11 @@
 //! The areas are made of lines that exist already, so their borders have the vertices of these lines and no others:
 //!
 //! 1. The lines and the shores get a vertex where they meet the frame, and the frame gets one where they end
-//!    ([`clip`](crate::contour::clip)).
+//!    ([`clip`]).
 //! 2. All of them are cut into chains between the vertices that several have in common. Following the chains around the
-//!    plane gives the rings ([`graph`]).
+//!    plane gives the rings (`graph`).
 //! 3. A ring around nothing but other ground is a hole. The nearest chain to the east of it tells the area that it is a hole
-//!    of ([`nest`]).
+//!    of (`nest`).
 //! 4. The lines on the border of an area say which levels it lies between: higher ground is on their right.
 //!
 //! No polygons are intersected, so the time is nearly proportional to the number of vertices.

@@ -14,9 +14,8 @@ mod files;
 mod part;
 mod surface_params;
 
-pub(super) use cliffs::explain_by_cliffs;
-pub(super) use exclude::drop_expected;
-pub(super) use surface_params::surface_params;
+#[cfg(feature = "io")]
+pub(super) use {cliffs::explain_by_cliffs, exclude::drop_expected, surface_params::surface_params};
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
