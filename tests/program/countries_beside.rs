@@ -10,7 +10,7 @@ use tokosen::raster::Dem;
 use crate::common::Folder;
 use crate::running::{Running, folder_with};
 
-/// The part of the sample that is used, and the corner where its four tiles meet.
+/// The part of the sample that is used, and its middle; its four tiles meet 200 m from there.
 const EXTENT: &str = "745000,4017500,748500,4020500";
 const MIDDLE: DVec2 = DVec2::new(746_740.0, 4_019_000.0);
 
@@ -56,8 +56,8 @@ fn tiles_take_what_lies_beside_the_contours_as_one_run_does() {
     // A lake and a hole over seams, a break line and a cliff across them, a sink. The lake has no height.
     let at = |x: f64, y: f64| MIDDLE + DVec2::new(x, y);
     let line = |from: DVec2, to: DVec2| json!([[from.x, from.y], [to.x, to.y]]);
-    let [lake, hole] = [at(-30.0, 20.0), at(900.0, -40.0)];
-    put(&folder, "lake.geojson", "Polygon", &square(lake, 120.0));
+    let [lake, hole] = [at(190.0, 850.0), at(900.0, -40.0)];
+    put(&folder, "lake.geojson", "Polygon", &square(lake, 45.0));
     put(&folder, "hole.geojson", "Polygon", &square(hole, 150.0));
     put(&folder, "break.geojson", "LineString", &line(at(-900.0, -200.0), at(-800.0, 250.0)));
     put(&folder, "cliff.geojson", "LineString", &line(at(-200.0, 700.0), at(250.0, 760.0)));
@@ -83,7 +83,7 @@ fn tiles_take_what_lies_beside_the_contours_as_one_run_does() {
     let of_lake: Vec<f32> = (0..tiled.values.len())
         .filter(|k| {
             let off = (tiled.grid.center(k % tiled.grid.cols, k / tiled.grid.cols) - lake).abs();
-            off.max_element() < 40.0
+            off.max_element() < 30.0
         })
         .map(|k| tiled.values[k])
         .collect();

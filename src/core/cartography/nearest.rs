@@ -52,9 +52,13 @@ impl Nearest {
         })
     }
 
-    /// For each segment of a line: whether a contour of the level below or above it is closer than a distance, metres.
+    /// For each segment of a line: whether a contour of the two levels below or above it is closer than a distance, metres. The next
+    /// level alone would not do: on steep slopes it may be left out.
     pub fn close(&self, line: &ContourLine, closest: f64, metres: DVec2) -> Vec<bool> {
-        let trees = self.numbers_beside(line.elevation).map(|k| self.trees.get(k?));
+        let below = self.levels.partition_point(|level| *level < line.elevation);
+        let above = self.levels.partition_point(|level| *level <= line.elevation);
+        let last = (above + 2).min(self.trees.len());
+        let trees = [&self.trees[below.saturating_sub(2)..below], &self.trees[above..last]];
         let is_close = |pair: &[DVec2]| {
             let own = Segment { a: pair[0] * metres, b: pair[1] * metres };
             let Bounds { min, max } = own.bounds().grown(closest);
@@ -63,7 +67,7 @@ impl Nearest {
                 let Line { from, to } = *piece.geom();
                 Segment { a: from.into(), b: to.into() }
             };
-            let mut found = trees.iter().flatten().flat_map(|tree| tree.locate_in_envelope_intersecting(&near));
+            let mut found = trees.into_iter().flatten().flat_map(|tree| tree.locate_in_envelope_intersecting(&near));
             found.any(|piece| distance(&own, &other(piece)) < closest)
         };
         line.points.windows(2).map(is_close).collect()

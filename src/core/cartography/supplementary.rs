@@ -71,10 +71,11 @@ pub fn keep_supplementary(layer: &mut ContourLayer, apart: f64, input: OfInput, 
         }
         let around = of(&|line| rank(line) < own);
         let nearest = Nearest::new(&lines, &around, metres);
+        let others = Nearest::new(&lines, &of(&|line| rank(line) <= own), metres);
         let tops = tops(&lines, &asked, &around, &nearest, (apart, metres));
         let found = parallel::map_each(&asked, |number| {
             let line = &lines[*number as usize];
-            let close = nearest.close(line, CLOSEST * apart, metres);
+            let close = others.close(line, CLOSEST * apart, metres);
             let top = match tops.get(number) {
                 Some(Ring::New) if !close.contains(&true) => return Drawn::Whole,
                 Some(Ring::New) | None => None,
