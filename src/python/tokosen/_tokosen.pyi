@@ -14,6 +14,7 @@ __all__ = [
     "Source",
     "Terrain",
     "__version__",
+    "bands",
     "check",
     "compare",
     "contour",
