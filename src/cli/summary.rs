@@ -125,7 +125,7 @@ pub fn surface(surface: &Surface, console: &Console) {
     let change = largest_stream_change(surface);
     if change > surface.stream_tolerance {
         console.say(&format!(
-            "           height maps change by up to {} so that streams fall",
+            "           heights of streams change by up to {}, so that they fall",
             units.rough_height(change)
         ));
     }

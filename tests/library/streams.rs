@@ -13,7 +13,7 @@ use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
 use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::streams::{RiverArea, Stream, StreamLine, Streams};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights, largest_stream_change};
 
 /// A valley that falls to the south, `z = (y + 0.75 |x|) / 10`, by its contours every 10 m. Their tips are at x = 0.
 fn valley() -> ContourMap {
@@ -210,14 +210,22 @@ fn a_stream_that_parts_is_told_of_unless_its_branches_meet_again() {
 }
 
 #[test]
-fn a_stream_over_a_ridge_between_contours_is_told_of() {
+fn a_stream_over_a_ridge_between_contours_is_told_of_and_no_height_changes_for_it() {
     // Between the contours of 40 and 30 m, spot heights show a hollow and a rise behind it.
-    let climbs = |drawn: &[(f64, f64)]| {
-        let spots = vec![DVec3::new(0.0, 370.0, 31.5), DVec3::new(0.0, 330.0, 39.0)];
-        count(&built(ContourMap { spots, ..valley() }, &[drawn], Some(0.5)).1, FindingKind::StreamClimbs)
-    };
-    assert_eq!(climbs(&[(0.0, 395.0), (0.0, 60.0)]), 1);
-    assert_eq!(climbs(&[(0.0, 290.0), (0.0, 60.0)]), 0);
+    let spots = vec![DVec3::new(0.0, 370.0, 31.5), DVec3::new(0.0, 330.0, 39.0)];
+    let with_spots = |drawn: &[(f64, f64)]| built(ContourMap { spots: spots.clone(), ..valley() }, &[drawn], Some(0.5));
+    let climbs = |findings: &[Finding]| count(findings, FindingKind::StreamClimbs);
+    let (surface, findings) = with_spots(&[(0.0, 395.0), (0.0, 60.0)]);
+    assert_eq!((climbs(&findings), surface.streams.len()), (1, 2));
+    assert_falls(&surface, "on both sides of the ridge");
+    let change = largest_stream_change(&surface);
+    assert!(change <= 5.0, "{change} m");
+    for spot in &spots {
+        let grid = Grid { corner: spot.truncate() + DVec2::new(-1.0, 1.0), cell: DVec2::splat(2.0), cols: 1, rows: 1 };
+        let height = heights(&surface, &grid, &()).values[0];
+        assert!((f64::from(height) - spot.z).abs() < 0.5, "{height} instead of {}", spot.z);
+    }
+    assert_eq!(climbs(&with_spots(&[(0.0, 290.0), (0.0, 60.0)]).1), 0);
 }
 
 #[test]

@@ -51,7 +51,7 @@ pub struct Conditions<'a> {
     pub beside_cliffs: Vec<bool>,
     /// Lines with heights, such as streams and break lines.
     pub known: Vec<KnownLine<'a>>,
-    /// Streams: the surface falls along them.
+    /// Streams: the ground along them gains no curvature.
     pub streams: &'a [Stream],
     /// What happens to pits.
     pub drainage: Drainage<'a>,

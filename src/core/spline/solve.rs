@@ -1,5 +1,4 @@
-//! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching,
-//! streams.
+//! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
 
 use super::conditions::{Conditions, line_crossings, spot_crossings};
 use super::density::{contour_density, tension};
@@ -16,19 +15,19 @@ use super::working_grid::WorkingGrid;
 use super::{curvature_gain, far, misses, residual, soft_spots, spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, Sure, parallel};
-use crate::streams::{Stream, follow};
+use crate::streams::Stream;
 use crate::tuning::SplineTuning;
 
 /// The nodes per spacing of the grid that the weight of noisy contours is for.
 const NODES_PER_SPACING: f64 = 6.0;
 
-/// Finds the smooth surface that meets the conditions, and the streams with its heights where theirs were guessed.
+/// Finds the smooth surface that meets the conditions.
 pub fn spline(
     conditions: &Conditions<'_>,
     hyper_parameters: &HyperParameters,
     tuning: &SplineTuning,
     progress: &dyn Progress,
-) -> (WorkingGrid, Vec<Stream>) {
+) -> WorkingGrid {
     let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, hollows, .. } = conditions;
     let interval = *interval;
     let lattice = Lattice::of_grid(grid);
@@ -111,15 +110,13 @@ pub fn spline(
     }
     let mut working = WorkingGrid { grid: *grid, heights };
     misses::add_misses(&mut working, conditions, [lo, hi]);
-    let mut streams = conditions.streams.to_vec();
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
-    follow(&mut streams, |p| f64::from(working.at(p.truncate())));
     // Between neighbouring contours no cut needs to be deeper.
     problem.breach(&mut working.heights, &Limits { lo, depth: interval as f32 });
     // A way out of a pit may pass a spot height.
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
     progress.finish();
-    (working, streams)
+    working
 }
 
 /// The surface of a problem: solved, freed of shelves, and kept inside the bands.

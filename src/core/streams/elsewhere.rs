@@ -19,14 +19,20 @@ pub(super) struct Compared<'a> {
 }
 
 impl Compared<'_> {
-    /// Whether the contours contradict it.
-    fn is_contradicted(&self) -> bool {
-        self.beside.is_some() || self.detours.iter().any(|detour| matches!(detour, Detour::Cut { .. }))
+    /// Whether the contours contradict it. On rough ground, pieces that are shorter than the tolerance are cut from true streams
+    /// too.
+    fn is_contradicted(&self, tolerance: f64) -> bool {
+        let is_long = |detour: &Detour| matches!(detour, Detour::Cut { length, .. } if *length > tolerance);
+        self.beside.is_some() || self.detours.iter().any(is_long)
     }
 }
 
 /// The finding that most streams contradict the contours, if they do. Reaches count by the contours that they cross.
-pub(super) fn elsewhere<'a>(reaches: impl IntoIterator<Item = Compared<'a>>, tuning: &StreamTuning) -> Option<Finding> {
+pub(super) fn elsewhere<'a>(
+    reaches: impl IntoIterator<Item = Compared<'a>>,
+    tolerance: f64,
+    tuning: &StreamTuning,
+) -> Option<Finding> {
     let (mut tested, mut crossings, mut contradicted) = (0, 0, 0);
     for reach in reaches {
         let count = reach.course.crossings.iter().filter(|crossing| crossing.level.is_some()).count();
@@ -35,7 +41,7 @@ pub(super) fn elsewhere<'a>(reaches: impl IntoIterator<Item = Compared<'a>>, tun
         }
         tested += 1;
         crossings += count;
-        contradicted += if reach.is_contradicted() { count } else { 0 };
+        contradicted += if reach.is_contradicted(tolerance) { count } else { 0 };
     }
     let share = contradicted as f64 / crossings.max(1) as f64;
     (tested >= FEWEST_REACHES && share > tuning.elsewhere).then(|| {

@@ -1,5 +1,7 @@
 //! Streams as the input gives them, and as they are used.
 
+use std::ops::Range;
+
 use geo::Polygon;
 use glam::{DVec2, DVec3};
 
@@ -63,6 +65,26 @@ impl Stream {
     /// A piece of the stream with these points, to be written.
     pub fn piece(&self, points: Vec<DVec3>) -> Self {
         Self { points, sure: Vec::new(), bands: Vec::new(), ..*self }
+    }
+
+    /// The stream between some of its vertices; `None` for fewer than two.
+    pub(super) fn part(&self, vertices: Range<usize>) -> Option<Self> {
+        let points = self.points[vertices.clone()].to_vec();
+        let (sure, bands) = (self.sure[vertices.clone()].to_vec(), self.bands[vertices].to_vec());
+        (points.len() > 1).then(|| Self { sure, bands, ..self.piece(points) })
+    }
+
+    /// The height at a vertex: that of a contour or of water if it lies there, otherwise that of a surface, in the band.
+    pub(super) fn height_on(&self, vertex: usize, surface: impl Fn(DVec2) -> f64) -> f64 {
+        let p = self.points[vertex];
+        let height = if self.sure[vertex] == Sure::Exact { f64::NAN } else { surface(p.truncate()) };
+        if height.is_nan() { p.z } else { self.bands[vertex].strictly_inside(height) }
+    }
+
+    /// The largest difference between the stream and what a surface gives for its vertices ([`Stream::height_on`]), metres.
+    pub(crate) fn change_from(&self, surface: impl Fn(DVec2) -> f64) -> f64 {
+        let change = |k: usize| (self.points[k].z - self.height_on(k, &surface)).abs();
+        (0..self.points.len()).map(change).fold(0.0, f64::max)
     }
 
     /// Where it begins and ends; `None` without points. Where streams meet, their ends are equal.

@@ -42,7 +42,7 @@ mod settle;
 mod shift;
 
 pub(crate) use areas::banks;
-pub(crate) use climbs::climbs;
+pub(crate) use climbs::without_climbs;
 pub(crate) use follow::follow;
 pub use line::{RiverArea, Stream, StreamLine, Streams};
 pub(crate) use on_grid::{AreaLevels, Ways};

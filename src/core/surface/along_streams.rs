@@ -59,12 +59,13 @@ pub(super) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     settle(surface, &streams, &placed, values, |cell, wanted| Some(within(surface, region(cell), wanted)));
 }
 
-/// The largest difference between the smooth surface and the streams on it, metres. 0 without streams. So much do height maps
-/// change along streams at most, but for the tolerance.
+/// The largest difference between the smooth surface, within the bands of the contours, and the streams that fall on it,
+/// metres. 0 without streams.
 pub fn largest_stream_change(surface: &Surface) -> f64 {
     let Some(working) = &surface.working else { return 0.0 };
-    let points = surface.streams.iter().flat_map(|stream| &stream.points);
-    points.map(|p| (p.z - f64::from(working.at(p.truncate()))).abs()).fold(0.0, f64::max)
+    let height = |p: DVec2| f64::from(working.at(p));
+    let change = |stream: &Stream| stream.change_from(height);
+    surface.streams.iter().map(change).fold(0.0, f64::max)
 }
 
 /// Brings cells near to the heights of the streams through them, and levels river areas. All this depends on the size of
@@ -77,7 +78,7 @@ fn settle(
     allowed: impl Fn(usize, f32) -> Option<f32>,
 ) {
     let ways = Ways::new(streams, placed.grid);
-    ways.follow(values, surface.stream_tolerance, &allowed);
+    ways.follow(values, [surface.stream_tolerance, surface.interval.step], &allowed);
     let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
     let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells).collect();
     AreaLevels::new(&areas, streams, &ways, values).level(values, allowed);

@@ -24,7 +24,7 @@ use crate::creases::{Bend, Crease};
 use crate::drain::Sink;
 use crate::skeleton::{Axis, skeleton, skeleton_with};
 use crate::spline::{self, Conditions, Drainage, Fold, WorkingGrids, bytes_on, spline, working_grid};
-use crate::streams::{Stream, climbs};
+use crate::streams::{Stream, follow, without_climbs};
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
 use crate::tin::Tin;
@@ -101,12 +101,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
                 known: surveyed,
                 ..of_map
             };
-            conditions.creases.extend(own_streams.iter().map(|stream| (Fold::Found, stream.known().course())));
+            conditions.creases.extend(own_streams.iter().map(|stream| (Fold::Valley, stream.known().course())));
             conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
             progress.finish();
-            let (mut solved, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
-            let height = |p: DVec2| f64::from(solved.at(p));
-            findings.extend(climbs(&followed, height, tuning.streams.climb * interval.step));
+            let mut solved = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
             let wanted = Wanted {
                 drain: params.drain,
                 sinks: own_sinks.clone(),
@@ -118,7 +116,11 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             let (moved, of_pits) = drain_working(&mut solved, wanted);
             sinks.extend(moved);
             findings.extend(of_pits);
-            streams.extend(followed);
+            let height = |p: DVec2| f64::from(solved.at(p));
+            let (mut used, climbs) = without_climbs(&own_streams, height, tuning.streams.climb * interval.step);
+            follow(&mut used, |p| height(p.truncate()));
+            streams.extend(used);
+            findings.extend(climbs);
             working.push(solved);
             triangles.push(conditions.triangles);
         }

@@ -48,7 +48,8 @@ tuned! {
         ///
         /// Refit: as above.
         least_slope: f64 = 0.25,
-        /// The ground may rise by this share of the contour interval along a stream, between contours.
+        /// The ground may rise by this share of the contour interval along a stream, between contours. Where it rises more, the
+        /// stream is cut.
         ///
         /// Of true streams on four maps, 0 to 2 % are told of.
         ///

@@ -254,7 +254,7 @@ impl Trial {
             if params.are_needless() {
                 return Vec::new();
             }
-            let (surface, _) = spline(&conditions, &hyper_parameters, tuning, &());
+            let surface = spline(&conditions, &hyper_parameters, tuning, &());
             let [unit_gain, relative] = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
             let residual = |(place, weight): (&HiddenPlace, &Option<f64>)| {

@@ -181,7 +181,7 @@ kinds! {
     StreamBeside = "stream-beside", Warning, "streams beside their valleys";
     /// A stream runs upwards across a contour. The part that does was left out.
     StreamCut = "stream-cut", Warning, "streams that run upwards across contours";
-    /// The surface rises along a stream between contours. The stream falls all the same.
+    /// The surface rises along a stream between contours. The stream is cut there.
     StreamClimbs = "stream-climbs", Warning, "streams along which the ground rises";
     /// A stream parts, and its branches do not meet again.
     StreamParts = "stream-parts", Warning, "streams that part";

@@ -39,18 +39,24 @@ impl<'a> Ways<'a> {
 
     /// Brings the cells of streams within `tolerance` (metres) of the heights of the streams, and makes them fall along the
     /// streams, by as little as needed. All other cells stay. Cells come as near to that as is `allowed`: for a cell and a
-    /// wanted height, the allowed height that is nearest to it, or `None` if the cell stays. Heights that are NaN stay.
-    pub fn follow(&self, heights: &mut [f32], tolerance: f64, allowed: impl Fn(usize, f32) -> Option<f32>) {
+    /// wanted height, the allowed height that is nearest to it, or `None` if the cell stays. Heights that are NaN stay, and so
+    /// do those that are further than `most` from that of their stream.
+    pub fn follow(
+        &self,
+        heights: &mut [f32],
+        [tolerance, most]: [f64; 2],
+        allowed: impl Fn(usize, f32) -> Option<f32>,
+    ) {
         let near = |cell: usize, own: f64| match f64::from(heights[cell]) {
-            z if z.is_nan() => z,
-            z => z.max(own - tolerance).min(own + tolerance),
+            z if (z - own).abs() <= most => z.max(own - tolerance).min(own + tolerance),
+            _ => f64::NAN,
         };
         let along = |way: &Way| way.cells.iter().zip(&way.heights).map(|(cell, own)| near(*cell, *own)).collect();
         let mut wanted: Vec<Vec<f64>> = self.of_streams.iter().map(along).collect();
         // The heights of streams fall. So no height leaves the tolerance.
         fall(&self.of_streams.iter().map(|way| way.ends).collect::<Vec<_>>(), &mut wanted);
         for (cell, wanted) in self.cells().zip(wanted.into_iter().flatten()) {
-            if !heights[cell].is_nan()
+            if !wanted.is_nan()
                 && let Some(height) = allowed(cell, wanted as f32)
             {
                 heights[cell] = height;
@@ -110,7 +116,7 @@ mod tests {
         let points: Vec<DVec3> = (0..12).map(|col| grid.center(col, 1).extend(20.0 - col as f64)).collect();
         let streams = [Stream::between(points, Band { lo: 0.0, hi: 200.0 })];
         let mut heights: Vec<f32> = (0..36).map(ground).collect();
-        Ways::new(&streams, &grid).follow(&mut heights, 0.5, allowed);
+        Ways::new(&streams, &grid).follow(&mut heights, [0.5, 45.0], allowed);
         heights
     }
 
@@ -139,10 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn cells_stay_where_they_must_and_where_there_is_no_ground() {
-        let ground = |n: usize| if n == 14 { f32::NAN } else { 50.0 };
+    fn cells_stay_where_they_must_where_there_is_no_ground_and_far_above_the_stream() {
+        let ground = |n: usize| match n {
+            14 => f32::NAN,
+            20 => 90.0,
+            _ => 50.0,
+        };
         let heights = followed(ground, |n, wanted| (n != 16).then(|| wanted.max(18.0)));
-        assert!(heights[14].is_nan() && heights[16] == 50.0);
-        assert!(heights[12..24].iter().enumerate().all(|(k, z)| k == 2 || k == 4 || (18.0..=20.5).contains(z)));
+        assert!(heights[14].is_nan() && heights[16] == 50.0 && heights[20] == 90.0);
+        assert!(heights[12..24].iter().enumerate().all(|(k, z)| [2, 4, 8].contains(&k) || (18.0..=20.5).contains(z)));
     }
 }

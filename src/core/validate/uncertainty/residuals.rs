@@ -56,7 +56,7 @@ fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &T
     // No shrinkage: all hidden contours lie half-way, which is where heights shrink to.
     let tuning = &params.tuning.spline;
     let smooth = hyper_parameters.map(|hyper_parameters| {
-        spline(&conditions, &HyperParameters { half_way_error: 0.0, ..hyper_parameters }, tuning, &()).0.heights
+        spline(&conditions, &HyperParameters { half_way_error: 0.0, ..hyper_parameters }, tuning, &()).heights
     });
     let ask = |place: &HiddenPlace| {
         let DVec2 { x: col, y: row } = grid.place(place.at);
