@@ -9,8 +9,8 @@ use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
 
 /// Cuts streams where the surface rises along them by more than `least` metres. Between contours nothing else speaks against
-/// such a stream, and one height for both sides of a ridge would be wrong on both. What rises is left out. So no height of the
-/// rest changes by more than `least` if it is made to fall. `height` is that of the surface. `streams` come in an order in
+/// such a stream, and one height for both sides of a ridge would be wrong on both. A piece ends where the rise is `least`, and the
+/// next one begins at the top. So no height changes by more than `least` if the pieces are made to fall. `height` is that of the surface. `streams` come in an order in
 /// which each one follows those that flow into it.
 pub(crate) fn without_climbs(
     streams: &[Stream],
@@ -26,25 +26,22 @@ pub(crate) fn without_climbs(
         let Some([first, last]) = stream.ends() else { continue };
         let heights: Vec<f64> = (0..stream.points.len()).map(|k| stream.height_on(k, &height)).collect();
         let mut low = lowest.get(&first).copied().unwrap_or(f64::INFINITY);
-        // Where the piece begins, its lowest vertex, and where it has come to.
-        let (mut start, mut bottom, mut k) = (0, 0, 0);
+        let (mut start, mut k) = (0, 0);
         while k < heights.len() {
             if heights[k] - low > least {
                 let is_over = |z: &&f64| **z - low > least;
                 let end = k + heights[k..].iter().take_while(is_over).count();
                 let top = (k..end).rev().max_by(|&a, &b| heights[a].total_cmp(&heights[b])).unwrap_or(k);
-                pieces.extend(stream.part(start..bottom + 1));
-                let left_out = stream.part(bottom..top + 1).map_or(0.0, |piece| piece.length());
+                pieces.extend(stream.part(start..k));
+                let left_out = stream.part(k.saturating_sub(1)..top + 1).map_or(0.0, |piece| piece.length());
                 let rise = rises.entry(stream.feature).or_insert((0.0, DVec2::ZERO, 0.0));
                 if heights[top] - low > rise.0 {
                     (rise.0, rise.1) = (heights[top] - low, stream.points[top].truncate());
                 }
                 rise.2 += left_out;
-                (start, k, low) = (top, top, f64::INFINITY);
+                (start, k, low) = (top, top, heights[top]);
             }
-            if heights[k] <= low {
-                (low, bottom) = (heights[k], k);
-            }
+            low = low.min(heights[k]);
             k += 1;
         }
         pieces.extend(stream.part(start..heights.len()));
