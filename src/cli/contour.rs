@@ -147,11 +147,11 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
     let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
-    let map_params = for_map::settle(plan, args.levels.base_level, || mean_slope(&dem), console);
+    let map_params = for_map::settle(plan, args.levels.which.base_level, || mean_slope(&dem), console);
     let params = ContourParams {
         targets: for_map::traced(map_params.as_ref(), &targets),
         unit,
-        index_every: args.levels.index,
+        index_every: args.levels.which.index,
         tolerance: args.tolerance,
         smooth: args.smooth,
         part: part.clone(),

@@ -138,7 +138,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
-    let map_params = for_map::settle(plan, args.levels.base_level, || slope_between(&input.map), console);
+    let map_params = for_map::settle(plan, args.levels.which.base_level, || slope_between(&input.map), console);
     let traced = for_map::traced(map_params.as_ref(), &targets);
     let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
     let options =
@@ -146,7 +146,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let params = LayerParams {
         targets: traced.clone(),
         unit,
-        index_every: args.levels.index,
+        index_every: args.levels.which.index,
         simplify: args.simplify,
         keep_input: args.keep_input,
         memory: None,

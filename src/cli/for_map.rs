@@ -55,7 +55,7 @@ impl ForMapArgs {
         let request = MapRequest {
             targets: targets.to_vec(),
             unit: levels.to_unit.unit(),
-            index_every: levels.index,
+            index_every: levels.which.index,
             supplementary: self.supplementary.clone(),
             spacing: self.supplementary_spacing,
             scale: picture.scale,

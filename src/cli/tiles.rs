@@ -28,7 +28,7 @@ pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
             return usage("--zooms applies to map tiles: .pmtiles, .mbtiles or FOLDER/{z}/{x}/{y}.pbf".into());
         }
         levels.to_crs.check(output)?;
-        return levels.labels.check(output, levels.index);
+        return levels.labels.check(output, levels.which.index);
     };
     let extension = TileFormat::folder(output).map_or("pbf", |(_, extension)| extension);
     if format == TileFormat::Folder && !["pbf", "mvt"].contains(&extension) {
@@ -75,7 +75,7 @@ pub fn write(
         return Ok(None);
     }
     let back = reprojection.from_working(Some(&Crs::from_epsg(WEB_MERCATOR)))?.with_heights_in(levels.to_unit.unit());
-    let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.index);
+    let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.which.index);
     let tiles = ContourTiles { layer, target, index_every, zooms, back: &back, attribution };
     Ok(Some(write_contour_tiles(staged, output, &tiles, console)?))
 }
