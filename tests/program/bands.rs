@@ -42,6 +42,43 @@ fn areas_are_written_beside_the_lines() {
 }
 
 #[test]
+fn bands_have_the_tint_of_the_picture_in_a_style_and_in_the_picture() {
+    let folder = folder_with_part("in.gpkg");
+    let command = "densify in.gpkg -i 20 -o lines.gpkg --surface linear --overwrite";
+    folder.succeeds(&format!("{command} --preview smooth.png"));
+    folder.succeeds(&format!("{command} --preview bands.png --bands areas.gpkg"));
+    let colours = |name: &str| {
+        let legend = image::open(folder.path(name)).unwrap().to_rgb8();
+        // The row of the legend with the most colours is that of the tint.
+        let row =
+            |y: u32| (0..legend.width()).map(|x| legend.get_pixel(x, y).0).collect::<std::collections::HashSet<_>>();
+        (legend.height() - 110..legend.height()).map(|y| row(y).len()).max().unwrap()
+    };
+    assert!(colours("bands.png") < colours("smooth.png") / 2, "{} {}", colours("bands.png"), colours("smooth.png"));
+    let db = Connection::open(folder.path("areas.gpkg")).unwrap();
+    let style: String = db.query_row("SELECT styleQML FROM layer_styles", [], |row| row.get(0)).unwrap();
+    assert!(style.contains("create_ramp(map(0, '158,192,158'") && style.contains("fillColor"), "{style}");
+}
+
+#[test]
+fn depths_stand_beside_heights() {
+    let folder = folder_with_part("in.gpkg");
+    folder.succeeds("densify in.gpkg -i 20 --surface linear --labels --to-depths -o lines.gpkg --bands areas.gpkg");
+    let lines = Connection::open(folder.path("lines.gpkg")).unwrap();
+    let count = |db: &Connection, sql: &str| db.query_row(sql, [], |row| row.get::<_, i64>(0)).unwrap();
+    assert_eq!(count(&lines, "SELECT count(*) FROM contours_20m WHERE depth <> -elev"), 0);
+    assert!(count(&lines, "SELECT count(*) FROM contours_20m WHERE depth < 0") > 10);
+    assert!(count(&lines, "SELECT count(*) FROM labels WHERE CAST(text AS REAL) = depth AND depth = -elev") > 0);
+    let areas = Connection::open(folder.path("areas.gpkg")).unwrap();
+    let swapped = "SELECT count(*) FROM bands_20m WHERE depth_from = -elev_to AND depth_to = -elev_from AND depth_mid = -elev_mid";
+    assert_eq!(count(&areas, swapped), count(&areas, "SELECT count(*) FROM bands_20m"));
+    for output in ["lines.dxf", "lines.pmtiles"] {
+        let said = folder.ends(&format!("densify in.gpkg -i 20 --to-depths -o {output}"), 2);
+        assert!(said.contains("--to-depths adds attributes"), "{said}");
+    }
+}
+
+#[test]
 fn files_that_hold_no_areas_are_refused_before_the_work() {
     let folder = folder_with_part("in.gpkg");
     for (command, why) in [
