@@ -18,10 +18,13 @@ use super::map::{Contour, ContourMap};
 use crate::base::bits::bits;
 use crate::base::parallel;
 use crate::geometry::{Border, OnEdge, rings, with_vertices};
-use crate::geometry::{Meeting, Segment, meeting, place, point_distance};
+use crate::geometry::{Meeting, OrientedBox, Segment, meeting, place, point_distance};
 
 /// Largest number of rounds in which new vertices are looked for. Three are nearly always enough.
 const ROUNDS: usize = 16;
+
+/// So many segments of a line are compared with the border at once, as long as no edge of it is near.
+const STRETCH: usize = 32;
 
 /// The search also stops when there are more vertices than this many times those after the first round.
 const GROWTH: usize = 2;
@@ -48,8 +51,12 @@ pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
         .zip(lines)
         .map(|(contour, line)| {
             let of = |points| Contour { points, ..contour };
-            let node = |point: DVec2| Node { point, on_border: corners.contains(&bits(point)) };
-            kept_pieces(line.into_iter().map(node).collect(), &border).into_iter().map(of).collect()
+            let mut nodes: Vec<Node> = Vec::with_capacity(line.len());
+            for (stretch, is_near) in stretches(&line, &border) {
+                let node = |&point: &DVec2| Node { point, on_border: is_near && corners.contains(&bits(point)) };
+                nodes.extend(stretch.iter().skip(usize::from(!nodes.is_empty())).map(node));
+            }
+            kept_pieces(nodes, &border).into_iter().map(of).collect()
         })
         .collect();
     let spots = std::mem::take(&mut map.spots).into_iter().filter(|s| {
@@ -70,8 +77,23 @@ pub fn noded(lines: Vec<Vec<DVec2>>, area: &MultiPolygon<f64>) -> (Vec<Vec<DVec2
         let (edge, ends) = border.edge_at(p)?;
         (p != ends.a && p != ends.b).then_some((edge, p))
     };
-    let on_border: Vec<OnEdge> = lines.par_iter().flat_map_iter(|points| points.iter()).filter_map(on_border).collect();
+    let near = |points: &Vec<DVec2>| -> Vec<OnEdge> {
+        let near = stretches(points, &border).filter(|(_, is_near)| *is_near);
+        near.flat_map(|(stretch, _)| stretch.iter().filter_map(on_border)).collect()
+    };
+    let on_border: Vec<OnEdge> = lines.par_iter().flat_map_iter(near).collect();
     with_meetings(lines, with_vertices(area, on_border))
+}
+
+/// A line in stretches that share their ends, each with whether an edge of the border may be near it. Most of a map is far from its
+/// border, and a stretch is told so at once.
+fn stretches<'a>(points: &'a [DVec2], border: &'a Border) -> impl Iterator<Item = (&'a [DVec2], bool)> {
+    let starts = (0..points.len().saturating_sub(1).max(points.len().min(1))).step_by(STRETCH);
+    starts.map(|from| &points[from..(from + STRETCH + 1).min(points.len())]).map(|stretch| {
+        let (min, max) = stretch.iter().fold((stretch[0], stretch[0]), |(min, max), p| (min.min(*p), max.max(*p)));
+        let around = OrientedBox::upright(min, max).grown(2.0 * border.tolerance());
+        (stretch, border.near_box(around).next().is_some())
+    })
 }
 
 /// A vertex of a contour, old or new.
@@ -118,9 +140,16 @@ fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Ve
 /// The vertices of a line including those where it meets the border, or `None` if no vertex is new. Then its crossings
 /// with the border's edges.
 fn meetings(points: &[DVec2], border: &Border) -> (Option<Vec<DVec2>>, Vec<OnEdge>) {
-    let mut all: Vec<DVec2> = points.first().copied().into_iter().collect();
+    let mut all: Vec<DVec2> = Vec::with_capacity(points.len());
+    all.extend(points.first());
     let mut crossings = Vec::new();
-    for w in points.windows(2) {
+    let segments =
+        stretches(points, border).flat_map(|(stretch, is_near)| stretch.windows(2).map(move |w| (w, is_near)));
+    for (w, is_near) in segments {
+        if !is_near {
+            all.push(w[1]);
+            continue;
+        }
         let segment = Segment { a: w[0], b: w[1] };
         let mut new = Vec::new();
         for (edge, ends) in border.near(segment.a, segment.b) {
