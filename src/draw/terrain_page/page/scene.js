@@ -74,7 +74,7 @@ function rampTexture(mode, data) {
   const count = 2048;
   const pixels = new Uint8Array(coloursOf(mode, data, count).flatMap((colour) => [...colour, 255]));
   const texture = new THREE.DataTexture(pixels, count, 1, THREE.RGBAFormat, THREE.UnsignedByteType);
-  texture.minFilter = texture.magFilter = mode === "byBand" ? THREE.NearestFilter : THREE.LinearFilter;
+  texture.minFilter = texture.magFilter = THREE.LinearFilter;
   texture.needsUpdate = true;
   return texture;
 }

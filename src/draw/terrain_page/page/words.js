@@ -3,7 +3,7 @@
 const ENGLISH = {
   colours: "Colours",
   byHeight: "elevation",
-  byBand: "elevation, in bands between contours",
+  byBand: "elevation bands",
   plain: "relief alone",
   bySlope: "slope",
   byError: "expected error",
@@ -55,7 +55,7 @@ const ENGLISH = {
 const JAPANESE = {
   colours: "色分け",
   byHeight: "標高",
-  byBand: "標高（等高線の帯ごと）",
+  byBand: "等高線の帯",
   plain: "陰影のみ",
   bySlope: "傾斜",
   byError: "推定誤差",
