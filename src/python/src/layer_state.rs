@@ -1,7 +1,5 @@
 //! Layers for pickle: what they consist of, and layers made of that again.
 
-use std::sync::Mutex;
-
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use glam::{DVec2, DVec3};

@@ -30,7 +30,7 @@ use crate::layer::{Layer, crs_text};
 use crate::model::Model;
 use crate::options::{Cells, Given, Levels, settled};
 use crate::raster::Raster;
-use crate::source::{Source, crs};
+use crate::source::Source;
 use crate::unit::unit;
 use crate::work::work;
 
