@@ -29,8 +29,11 @@ pub struct BandArgs {
 }
 
 impl BandArgs {
-    /// The names of the layers, one for each target; none if no bands are asked for.
+    /// The names of the layers, one for each target; none if no bands are asked for. Without targets, the interval is chosen
+    /// later, and the one layer does not name it.
     pub fn names(&self, targets: &[Target], unit: ElevationUnit) -> Vec<String> {
+        let open = [Target::Levels(Vec::new())];
+        let targets = if targets.is_empty() { &open } else { targets };
         let names = targets.iter().map(|target| bands_layer(&target.layer_name(unit)));
         if self.bands.is_some() { names.collect() } else { Vec::new() }
     }
