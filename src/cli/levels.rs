@@ -1,10 +1,12 @@
 //! The arguments about the levels of contours, and about how lines are written.
 
+use std::path::Path;
+
 use clap::Args;
 use tokosen::Interval;
 use tokosen::contour::ContourLayer;
 use tokosen::contour::Target;
-use tokosen::crs::FromWorking;
+use tokosen::crs::{FromWorking, Reprojection};
 use tokosen::io::layer::{Layer, labels_layer, of_contours, of_labels};
 use tokosen::slice::Label;
 
@@ -71,6 +73,10 @@ pub struct LevelsArgs {
     pub to_crs: ToCrsArgs,
     #[command(flatten)]
     pub to_unit: ToUnitArgs,
+    /// Also write depths, positive downwards, as attributes: depth of lines and labels; depth_from, depth_to and depth_mid of
+    /// bands. The text of labels is then the depth. Heights in options, and z, stay heights
+    #[arg(long, hide_short_help = true)]
+    pub to_depths: bool,
 }
 
 impl LevelsArgs {
@@ -82,6 +88,12 @@ impl LevelsArgs {
             [] => self.which.targets(smallest().as_slice()),
             intervals => self.which.targets(intervals),
         }
+    }
+
+    /// The conversion from the working plane to what is written in a file.
+    pub fn way(&self, output: &Path, reprojection: &Reprojection) -> Result<FromWorking, Failure> {
+        let back = self.to_crs.way(Some(output), reprojection, self.to_unit.unit())?;
+        Ok(if self.to_depths { back.with_depths() } else { back })
     }
 
     /// The names of all layers: of the contours, each followed by that of its labels if there are any. Without targets, the

@@ -20,6 +20,10 @@ const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .parquet, .d
 /// Refuses a file that contours are not written to, and options that do not apply to it.
 pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::Usage(message));
+    let has_attributes = TileFormat::of(output).is_none() && super::extensions::extension(output) != "dxf";
+    if levels.to_depths && !has_attributes {
+        return usage("--to-depths adds attributes, which neither a DXF nor map tiles have".into());
+    }
     let Some(format) = TileFormat::of(output) else {
         if VectorFormat::from_path(output).is_err() {
             return usage(format!("{}: {KINDS}", output.display()));
