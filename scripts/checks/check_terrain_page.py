@@ -12,20 +12,17 @@ must show the flat picture, a damaged page a sentence. --pictures keeps pictures
 Needs Chromium and the Python package playwright (which need not bring a browser). Without them, it says so and ends with status
 0. Otherwise, exit status 0: all of that holds; 1: some does not.
 """
-import argparse
 import csv
 import pathlib
 import random
 import re
 import shutil
 import subprocess
-import sys
-import tempfile
 
 import numpy as np
 import rasterio
 
-from check_viewer import EVIL, FLAGS, Checks
+from browser import EVIL, FLAGS, Checks, arguments, run_checks
 
 MOST_BYTES = 5_000_000
 CONTRAST = """() => {
@@ -235,30 +232,6 @@ def checks_page(checks, browser, address, name, words):
     page.close()
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("contours")
-    parser.add_argument("interval", type=float)
-    parser.add_argument("cell", type=float)
-    parser.add_argument("--command", default="target/release/tokosen")
-    parser.add_argument("--chromium", default=next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None))
-    parser.add_argument("--pictures", type=pathlib.Path)
-    args = parser.parse_args()
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        sync_playwright = None
-    if not (args.chromium and sync_playwright):
-        print(f"skipped: {'the Python package playwright' if args.chromium else 'Chromium'} is not installed")
-        return 0
-    if args.pictures:
-        args.pictures.mkdir(parents=True, exist_ok=True)
-    checks = Checks(args.pictures)
-    with tempfile.TemporaryDirectory() as root, sync_playwright() as playwright:
-        run(args, playwright, pathlib.Path(root), checks)
-    print(f"{checks.failures} faults")
-    return 1 if checks.failures else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    args = arguments(__doc__, ("contours", str), ("interval", float), ("cell", float))
+    run_checks(args, Checks(args.pictures), run)

@@ -12,7 +12,6 @@ requests, and files that are missing or damaged must end in a sentence. --pictur
 Needs Chromium and the Python package playwright (which need not bring a browser). Without them, it says so and ends with status
 0. Otherwise, exit status 0: all of that holds; 1: some does not.
 """
-import argparse
 import contextlib
 import functools
 import http.server
@@ -21,19 +20,16 @@ import pathlib
 import random
 import shutil
 import subprocess
-import sys
-import tempfile
 import threading
 
 import numpy as np
 import PIL.Image
 import rasterio
 
+from browser import EVIL, FLAGS, Checks, arguments, run_checks
+
 WIDTH = 2 * 20037508.342789244
 STEPS = {"terrarium": 1 / 256, "mapbox": 0.1, "gsi": 0.01}
-EVIL = "<img src=x onerror=\"window.harmed=1\"><script>window.harmed=1</script>"
-FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-         "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
 READY = "() => window.tokosen && document.querySelector('.panel') && tokosen.map.loaded() && tokosen.map.areTilesLoaded()"
 
 
@@ -72,47 +68,6 @@ def served(folder, has_ranges=True):
         yield f"http://127.0.0.1:{server.server_port}/"
     finally:
         server.shutdown()
-
-
-class Checks:
-    """Counts what does not hold."""
-
-    def __init__(self, pictures):
-        self.failures, self.pictures = 0, pictures
-
-    def expect(self, holds, what):
-        print("ok  " if holds else "FAIL", what, flush=True)
-        self.failures += not holds
-
-    @contextlib.contextmanager
-    def page(self, browser, address, name, missing_tiles=False, **options):
-        """A page, of which all errors and all requests to elsewhere are faults."""
-        context = browser.new_context(viewport={"width": 900, "height": 700}, **options)
-        page, errors, elsewhere = context.new_page(), [], []
-        page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.on("request", lambda request: None if request.url.startswith((address, "data:", "blob:")) else elsewhere.append(request.url))
-        page.goto(address)
-        yield page
-        if self.pictures:
-            page.screenshot(path=self.pictures / f"{name}.png")
-        # The browser itself reports tiles of a folder that are not there. That is how they are left out.
-        errors = [error for error in errors if not (missing_tiles and "404" in error)]
-        self.expect(not errors, f"{name}: no error in the console {errors[:3] or ''}")
-        self.expect(not elsewhere, f"{name}: nothing is asked of other places {elsewhere[:3] or ''}")
-        context.close()
-
-    def sentence(self, browser, address, name, words, **options):
-        """The page must end in a sentence with these words."""
-        context = browser.new_context(viewport={"width": 900, "height": 700}, **options)
-        page = context.new_page()
-        page.goto(address)
-        page.wait_for_selector(".faults")
-        text = page.inner_text(".faults")
-        if self.pictures:
-            page.screenshot(path=self.pictures / f"{name}.png")
-        self.expect(words in text, f"{name}: {' '.join(text.split())[:150]}")
-        context.close()
 
 
 def colours(page):
@@ -204,7 +159,9 @@ def check_faults(checks, browser, folder, root):
         checks.sentence(browser, address, "all sets are missing", "cannot be shown")
 
 
-def run(args, browser, root, checks):
+def run(args, playwright, root, checks):
+    browser = playwright.chromium.launch(executable_path=args.chromium, args=FLAGS)
+
     def tokosen(*words):
         subprocess.run([args.command, *map(str, words), "-q"], check=True)
 
@@ -260,31 +217,6 @@ def run(args, browser, root, checks):
         same_heights(checks, page, "folder", truth[256], "gsi", high, 256)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("contours")
-    parser.add_argument("zoom", type=int)
-    parser.add_argument("--command", default="target/release/tokosen")
-    parser.add_argument("--chromium", default=next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None))
-    parser.add_argument("--pictures", type=pathlib.Path)
-    args = parser.parse_args()
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        sync_playwright = None
-    if not (args.chromium and sync_playwright):
-        print(f"skipped: {'the Python package playwright' if args.chromium else 'Chromium'} is not installed")
-        return 0
-    if args.pictures:
-        args.pictures.mkdir(parents=True, exist_ok=True)
-    checks = Checks(args.pictures)
-    with tempfile.TemporaryDirectory() as root, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=args.chromium, args=FLAGS)
-        run(args, browser, pathlib.Path(root), checks)
-        browser.close()
-    print(f"{checks.failures} faults")
-    return 1 if checks.failures else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    args = arguments(__doc__, ("contours", str), ("zoom", int))
+    run_checks(args, Checks(args.pictures), run)

@@ -9,6 +9,7 @@ use tokosen::bands::bands_of_height_map;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::base::{ElevationUnit, Units};
 use tokosen::cartography::{Ground, OfInput, mean_slope};
+use tokosen::contour::{ContourLayer, Target};
 use tokosen::crs::{Crs, HeightSystem, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::Scene;
@@ -129,13 +130,14 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     console.plan(["writing"]);
     console.plan(picture.as_ref().map(|_| "drawing"));
     let read = console.step("reading", || read_dem(&args.dem))?;
-    let (mut dem, height_system, mut findings) = (read.value.dem, read.value.height_system, read.findings);
+    let (mut dem, mut height_system, mut findings) = (read.value.dem, read.value.height_system, read.findings);
     if let Some(crs) = &args.crs {
         dem.crs = Some(crs.clone());
         findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
     }
     if let Some(shift) = shift {
         findings.extend(shift.apply(&mut dem)?);
+        height_system = dem.crs.as_ref().and_then(Crs::height_system);
     }
     let dem = match &args.frame {
         Some(source) => {
@@ -146,12 +148,12 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     };
     let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
-    let back = args.levels.to_crs.way(Some(&args.output), &reprojection, unit)?;
-    let map_params = for_map::settle(plan, args.levels.base_level, || mean_slope(&dem), console);
+    let back = args.levels.way(&args.output, &reprojection)?;
+    let map_params = for_map::settle(plan, args.levels.which.base_level, || mean_slope(&dem), console);
     let params = ContourParams {
         targets: for_map::traced(map_params.as_ref(), &targets),
         unit,
-        index_every: args.levels.index,
+        index_every: args.levels.which.index,
         tolerance: args.tolerance,
         smooth: args.smooth,
         part: part.clone(),
@@ -180,20 +182,22 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
             write_layers_back(&staged, &all, &back)
         })?,
     };
+    let bounds = for_map::bounds(map_params.as_ref(), &targets);
     let bands = match &band_output {
-        Some(output) => console.step("bands", || {
-            let mut areas = Vec::with_capacity(found.layers.len());
-            for (target, layer) in params.targets.iter().zip(&found.layers) {
-                areas.push(bands_of_height_map(&dem, layer, target, unit, part.as_ref()).collect(&mut findings));
-            }
-            output.write(&band_names, &areas, &back)
-        })?,
+        Some(output) => {
+            let layers = band_names.iter().zip(&bounds).zip(&found.layers);
+            let layers: Vec<_> = layers.map(|((name, target), layer)| (*name, target, layer)).collect();
+            let areas =
+                |target: &Target, layer: &ContourLayer| bands_of_height_map(&dem, layer, target, unit, part.as_ref());
+            output.write(&layers, areas, &back, (&mut findings, console))?
+        }
         None => Vec::new(),
     };
     if let Some(picture) = &mut picture {
-        let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
-        let lines = finest.map_or(&[][..], |layer| &layer.lines);
+        let finest = bounds.iter().zip(&found.layers).max_by_key(|(_, layer)| layer.lines.len());
+        let lines = finest.map_or(&[][..], |(_, layer)| &layer.lines);
         let scene = Scene::of_height_map(&shown, lines, Units::all(unit)).within(part.as_ref());
+        let scene = args.levels.bands.tinted(scene, finest, unit);
         picture.draw(&Drawing::Map(scene), console)?;
     }
 
@@ -234,7 +238,7 @@ impl ContourArgs {
         if let Some(bad) = self.smooth.filter(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
         }
-        self.shift.check()?;
+        self.shift.check(true)?;
         tiles::check(&self.output, &self.levels)?;
         self.viewer.check(&[&self.output])?;
         let files = tiles::files(&self.output, layers)?;

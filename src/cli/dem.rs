@@ -90,7 +90,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
         args.output.iter().try_for_each(|path| args.height_map.check(path, crs, args.to_unit.unit()))?;
     }
     args.surface.check(&console.flags)?;
-    args.shift.check()?;
+    args.shift.check(true)?;
     let paths: Vec<&Path> = args.output.iter().map(PathBuf::as_path).collect();
     args.viewer.check(&paths)?;
     let beside: Vec<PathBuf> = match &engine {

@@ -8,7 +8,7 @@ use tokosen::base::error::{Error, Finding};
 use tokosen::base::{ElevationUnit, Units};
 use tokosen::cartography::slope_between;
 use tokosen::contour::Target;
-use tokosen::contour::{ContourLayer, ContourLine, Source};
+use tokosen::contour::{ContourLayer, Source};
 use tokosen::crs::FromWorking;
 use tokosen::draw::Scene;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, write_layers_back};
@@ -138,15 +138,15 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let grid = dem_output.as_ref().map(|output| &output.grid);
     let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
-    let map_params = for_map::settle(plan, args.levels.base_level, || slope_between(&input.map), console);
+    let map_params = for_map::settle(plan, args.levels.which.base_level, || slope_between(&input.map), console);
     let traced = for_map::traced(map_params.as_ref(), &targets);
-    let back = args.levels.to_crs.way(Some(&args.output), &input.reprojection, unit)?;
+    let back = args.levels.way(&args.output, &input.reprojection)?;
     let options =
         Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let params = LayerParams {
         targets: traced.clone(),
         unit,
-        index_every: args.levels.index,
+        index_every: args.levels.which.index,
         simplify: args.simplify,
         keep_input: args.keep_input,
         memory: None,
@@ -187,21 +187,25 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
             write_layers_back(&staged, &all, &back)
         })?,
     };
+    let bounds = for_map::bounds(map_params.as_ref(), &targets);
     let bands = match &band_output {
-        Some(output) => console.step("bands", || {
-            let mut areas = Vec::with_capacity(layers.len());
-            for (target, layer) in targets.iter().zip(&layers) {
-                areas.push(bands_of_surface(&terrain.surface, layer, target, unit).collect(&mut terrain.findings));
-            }
-            output.write(&band_names, &areas, &back)
-        })?,
+        Some(output) => {
+            let layers = band_names.iter().zip(&bounds).zip(&layers);
+            let layers: Vec<_> = layers.map(|((name, target), layer)| (*name, target, layer)).collect();
+            let areas = |target: &Target, layer: &ContourLayer| bands_of_surface(&terrain.surface, layer, target, unit);
+            output.write(&layers, areas, &back, (&mut terrain.findings, console))?
+        }
         None => Vec::new(),
     };
     let map = dem_output.as_ref().map(|output| output.write(&terrain, None, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
     let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
     diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
-    let scene = Scene::of_surface(&terrain.surface, finest(&layers), &terrain.reprojection, Units::all(unit));
+    // The layer with the most lines.
+    let finest = bounds.iter().zip(&layers).max_by_key(|(_, layer)| layer.lines.len());
+    let lines = finest.map_or(&[][..], |(_, layer)| &layer.lines);
+    let scene = Scene::of_surface(&terrain.surface, lines, &terrain.reprojection, Units::all(unit));
+    let scene = args.levels.bands.tinted(scene, finest, unit);
     job.draw(&Drawing::Map(scene.within(terrain.part())))?;
 
     let findings = std::mem::take(&mut terrain.findings);
@@ -333,11 +337,6 @@ impl DensifyArgs {
 /// Whether all lines of a layer are those of the input.
 fn is_of_input(layer: &ContourLayer) -> bool {
     layer.lines.iter().all(|line| line.source == Source::Input) && layer.artefact_rings + layer.dead_ends == 0
-}
-
-/// The lines of the layer with the most of them, for the picture.
-fn finest(layers: &[ContourLayer]) -> &[ContourLine] {
-    layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
 }
 
 /// One line of the summary about a layer.

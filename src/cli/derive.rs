@@ -30,6 +30,7 @@ use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
 use super::surface::{ABOUT_SURFACE, SurfaceArgs};
 use super::unit::UnitArg;
+use super::vertical_shift::{Shift, ShiftArgs};
 use super::{memory, summary};
 
 /// Slope, aspect, hillshade, steep places, flow of water, catchments, streams and floods
@@ -103,6 +104,8 @@ pub struct DeriveArgs {
     grid: GridArgs,
     #[command(flatten, next_help_heading = "Output")]
     base: BaseArgs,
+    #[command(flatten, next_help_heading = "Input")]
+    shift: ShiftArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
@@ -155,8 +158,9 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     args.check(is_raster, console)?;
     let light = args.light.params()?;
     let outputs = args.open()?;
-    let SourceDem { heights, source, mut findings, outside } =
-        if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
+    let shift = args.shift.read()?;
+    let read = if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
+    let SourceDem { heights, source, mut findings, outside } = read.shifted(shift.as_ref())?;
     let in_file = |error: Error| error.in_file(args.input.map.file());
     check(&*heights).map_err(in_file)?;
 
@@ -208,6 +212,19 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     Ok(())
 }
 
+impl SourceDem {
+    /// The same in another height system, if one is asked for. The rows are then in memory.
+    fn shifted(mut self, shift: Option<&Shift>) -> Result<Self, Failure> {
+        if let Some(shift) = shift {
+            let mut dem = self.heights.whole()?.into_owned();
+            self.findings.extend(self.heights.findings());
+            self.findings.extend(shift.apply(&mut dem)?);
+            self.heights = Arc::new(dem);
+        }
+        Ok(self)
+    }
+}
+
 impl DeriveArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, is_raster: bool, console: &Console) -> Result<(), Failure> {
@@ -241,10 +258,12 @@ impl DeriveArgs {
             check_vector(path, "steep places are written as .gpkg, .geojson, .shp, .kml or .kmz")?;
         }
         self.flow.check()?;
+        self.shift.check(true)?;
         self.cog.check(self.rasters())?;
         let files = self.input.map.files()?;
         let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
-        let inputs = inputs.chain(self.part.file()).chain(self.base.file()).chain(self.flow.inputs());
+        let inputs =
+            inputs.chain(self.part.file()).chain(self.base.file()).chain(self.flow.inputs()).chain(self.shift.file());
         let inputs: Vec<&Path> = inputs.collect();
         Ok(console.check_paths(&inputs, &self.outputs().collect::<Vec<_>>())?)
     }

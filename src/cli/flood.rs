@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::Units;
 use tokosen::base::error::Finding;
-use tokosen::dem::derive::{Flood, FlowDirections, StreamFlood, flood_along_streams, flood_to_level};
+use tokosen::dem::derive::{Flood, FlowDirections, StreamFlood, check_depths, flood_along_streams, flood_to_level};
 use tokosen::io::layer::of_flood;
 use tokosen::io::raster::{Quantity, RasterParams};
 use tokosen::io::{StagedOutput, write_layers};
@@ -36,6 +36,10 @@ pub struct FloodArgs {
     /// map [coordinates of the height map]. May be given several times
     #[arg(long, value_name = "X,Y|FILE", value_parser = PlaceArg::parser(), requires = "flood", hide_short_help = true)]
     pub flood_from: Vec<PlaceArg>,
+    /// Part the areas of --flood at these depths: 0.5,1,2 [metres]. Each has its depths as depth_from and depth_to; together they
+    /// cover the ground under water once
+    #[arg(long, value_name = "DEPTHS", value_delimiter = ',', requires = "flood", hide_short_help = true)]
+    pub flood_bands: Vec<f64>,
 }
 
 /// How high water stands.
@@ -83,6 +87,10 @@ impl FloodArgs {
             let message = "--flood-from goes with --flood-level LEVEL; with +H, the water comes from the streams";
             return Err(Failure::Usage(message.into()));
         }
+        check_depths(&self.flood_bands).map_err(|error| Failure::Usage(format!("--flood-bands: {error}")))?;
+        if self.raster().is_some() && !self.flood_bands.is_empty() {
+            return Err(Failure::Usage("--flood-bands parts areas: write --flood as .gpkg, .geojson or .shp".into()));
+        }
         let kinds = "a flood is written as .gpkg, .geojson or .shp, or as a raster: .tif, .exr, .png, .asc or .xyz";
         self.areas().map_or(Ok(()), |path| check_vector(path, kinds))
     }
@@ -122,7 +130,7 @@ impl FloodArgs {
             let params = RasterParams { quantity: Quantity::Depth, ..*params };
             write_if_asked(Some(staged), &params, &flood.depths, console)?;
         } else {
-            let parts = console.step("flood", || flood.parts(scale));
+            let parts = console.step("flood", || flood.parts(scale, &self.flood_bands));
             console.step("writing", || write_layers(staged, &[of_flood(&parts)], dem.crs.as_ref()))?;
         }
         Ok(flood)

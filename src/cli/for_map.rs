@@ -52,10 +52,14 @@ impl ForMapArgs {
                            are simplified for it";
             return if asks { Err(Failure::Usage(message.into())) } else { Ok(None) };
         }
+        if self.thin && levels.bands.bands.is_some() {
+            let message = "--thin leaves out pieces of the lines that bound --bands: give one of them";
+            return Err(Failure::Usage(message.into()));
+        }
         let request = MapRequest {
             targets: targets.to_vec(),
             unit: levels.to_unit.unit(),
-            index_every: levels.index,
+            index_every: levels.which.index,
             supplementary: self.supplementary.clone(),
             spacing: self.supplementary_spacing,
             scale: picture.scale,
@@ -85,6 +89,11 @@ pub fn settle(plan: Option<MapPlan>, base: f64, slope: impl FnOnce() -> f64, con
 /// The levels that are traced for these targets.
 pub fn traced(params: Option<&MapParams>, targets: &[Target]) -> Vec<Target> {
     params.map_or_else(|| targets.to_vec(), |params| vec![params.kinds.levels()])
+}
+
+/// The levels that bands lie between: those of the interval, of which all lines are drawn.
+pub fn bounds(params: Option<&MapParams>, targets: &[Target]) -> Vec<Target> {
+    params.map_or_else(|| targets.to_vec(), |params| vec![params.kinds.interval.into()])
 }
 
 /// Makes the contours of the layer those of a map. It keeps the name that was planned for it.

@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::GridSpec;
 use tokosen::base::Units;
-use tokosen::contour::Target;
 use tokosen::surface::Triangles;
 use tokosen::tiling::{Levels, Plan, PlanParams, STEP, Task, plan};
-use tokosen::{GridSpec, Interval};
 
 use super::console::Console;
 use super::failure::Failure;
 use super::input::{InputArgs, Scope};
 use super::job::Job;
+use super::levels::WhichLevelsArgs;
 use super::picture::Asked;
 use super::surface::SurfaceArgs;
 use super::unit::ToUnitArgs;
@@ -35,22 +35,8 @@ pub struct PlanArgs {
     /// Interval of the new contours [metres, or the unit of --to-unit], or several: 5,2,1. Without it, there are no new contours
     #[arg(short, long, value_name = "STEP", value_delimiter = ',', help_heading = "Output")]
     interval: Vec<f64>,
-    /// Elevations of the new contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
-    #[arg(
-        long,
-        value_name = "Z",
-        value_delimiter = ',',
-        conflicts_with_all = ["interval", "base_level"],
-        help_heading = "Output",
-        hide_short_help = true
-    )]
-    levels: Vec<f64>,
-    /// Levels are this one plus whole multiples of the interval [metres, or the unit of --to-unit]
-    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, help_heading = "Output", hide_short_help = true)]
-    base_level: f64,
-    /// Every Nth level is an index contour; 0 for none
-    #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output", hide_short_help = true)]
-    index: u32,
+    #[command(flatten)]
+    which: WhichLevelsArgs,
     /// Keep all contours of the input also where the interval is coarser than theirs
     #[arg(long, help_heading = "Output", hide_short_help = true)]
     keep_input: bool,
@@ -105,7 +91,7 @@ fn bytes(text: &str) -> Result<u64, String> {
 /// Runs the verb.
 pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
     args.check(console)?;
-    let targets = args.targets()?;
+    let targets = args.which.targets(&args.interval)?;
     let unit = args.to_unit.unit();
     let grid = args.cell.map(GridSpec::Cell);
     let job =
@@ -114,7 +100,7 @@ pub fn run(args: &PlanArgs, console: &Console) -> Result<(), Failure> {
     let mut input = job.read(Scope { grid: None, ..Scope::of(&args.surface.frame) })?;
     args.surface.add_to(&mut input)?;
     let options = args.surface.options(grid.as_ref(), Triangles::Smooth, unit)?;
-    let index_every = args.index;
+    let index_every = args.which.index;
     let levels = Levels { targets, index_every, keep_input: args.keep_input };
     let params = PlanParams {
         levels: Some(levels).filter(|levels| !levels.targets.is_empty()),
@@ -161,7 +147,7 @@ impl PlanArgs {
         if let Some(flag) = console.flags.first(&REFUSED) {
             return Err(Failure::Usage(format!("{flag}: {}", hints::not_in_tiles(flag))));
         }
-        if self.cell.is_none() && self.interval.is_empty() && self.levels.is_empty() {
+        if self.cell.is_none() && self.interval.is_empty() && self.which.levels.is_empty() {
             let message = "name what to make: --interval for new contours, --cell for a height map, or both";
             return Err(Failure::Usage(message.into()));
         }
@@ -169,20 +155,6 @@ impl PlanArgs {
             return Err(Failure::Usage(format!("--cell is {bad}, it must be more than 0")));
         }
         self.surface.check(&console.flags)
-    }
-
-    /// The levels of each layer.
-    fn targets(&self) -> Result<Vec<Target>, Failure> {
-        if let Some(bad) = self.levels.iter().chain([&self.base_level]).find(|level| !level.is_finite()) {
-            return Err(Failure::Usage(format!("{bad} is no elevation")));
-        }
-        if let Some(bad) = self.interval.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
-            return Err(Failure::Usage(format!("--interval is {bad}, it must be more than 0")));
-        }
-        if !self.levels.is_empty() {
-            return Ok(vec![Target::Levels(self.levels.clone())]);
-        }
-        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
     }
 }
 

@@ -19,6 +19,7 @@ use super::results::{Results, cell};
 use super::source::source;
 use super::surface::SurfaceArgs;
 use super::unit::ToUnitArgs;
+use super::vertical_shift::ShiftArgs;
 use super::{memory, summary};
 
 /// Heights along a line, as a table and as a picture
@@ -64,6 +65,8 @@ pub struct ProfileArgs {
     output: Vec<PathBuf>,
     #[command(flatten)]
     to_unit: ToUnitArgs,
+    #[command(flatten, next_help_heading = "Input")]
+    shift: ShiftArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -79,8 +82,8 @@ pub fn run(args: &ProfileArgs, console: &Console) -> Result<(), Failure> {
     let contents = args.check(console)?;
     let results = Results::open(&args.output)?;
     let mut findings = Vec::new();
-    let ProfileArgs { input, surface, .. } = args;
-    let sides = Sides { input, b: args.b.as_ref(), grid: None, surface, uncertainty: Uncertainty::Learnt };
+    let ProfileArgs { input, surface, shift, .. } = args;
+    let sides = Sides { input, b: args.b.as_ref(), grid: None, surface, shift, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, .. } = side::read(sides, &contents, &mut findings, console)?;
     side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()])?;
     if let Some(nodes) = a.nodes() {
@@ -130,10 +133,11 @@ impl ProfileArgs {
                 return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
             }
         }
-        side::check(&self.input, self.b.as_ref(), &self.surface, console)?;
+        side::check(&self.input, self.b.as_ref(), (&self.surface, &self.shift), console)?;
         let files = self.input.map.files()?;
         let files = files.iter().map(PathBuf::as_path).chain(self.b.iter().map(|b| b.path.as_path()));
-        let inputs: Vec<&Path> = files.chain([self.line.path.as_path()]).chain(self.surface.files()).collect();
+        let inputs: Vec<&Path> =
+            files.chain([self.line.path.as_path()]).chain(self.surface.files()).chain(self.shift.file()).collect();
         let outputs: Vec<PlannedOutput<'_>> = self.output.iter().map(|path| path.as_path().into()).collect();
         console.check_paths(&inputs, &outputs)?;
         side::contents(&self.input, self.b.as_ref())

@@ -20,6 +20,10 @@ const KINDS: &str = "contours are written as .geojson, .gpkg, .fgb, .parquet, .d
 /// Refuses a file that contours are not written to, and options that do not apply to it.
 pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::Usage(message));
+    let has_attributes = TileFormat::of(output).is_none() && super::extensions::extension(output) != "dxf";
+    if levels.to_depths && !has_attributes {
+        return usage("--to-depths adds attributes, which neither a DXF nor map tiles have".into());
+    }
     let Some(format) = TileFormat::of(output) else {
         if VectorFormat::from_path(output).is_err() {
             return usage(format!("{}: {KINDS}", output.display()));
@@ -28,7 +32,7 @@ pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
             return usage("--zooms applies to map tiles: .pmtiles, .mbtiles or FOLDER/{z}/{x}/{y}.pbf".into());
         }
         levels.to_crs.check(output)?;
-        return levels.labels.check(output, levels.index);
+        return levels.labels.check(output, levels.which.index);
     };
     let extension = TileFormat::folder(output).map_or("pbf", |(_, extension)| extension);
     if format == TileFormat::Folder && !["pbf", "mvt"].contains(&extension) {
@@ -75,7 +79,7 @@ pub fn write(
         return Ok(None);
     }
     let back = reprojection.from_working(Some(&Crs::from_epsg(WEB_MERCATOR)))?.with_heights_in(levels.to_unit.unit());
-    let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.index);
+    let (zooms, index_every) = (levels.zooms.zooms.as_slice(), levels.which.index);
     let tiles = ContourTiles { layer, target, index_every, zooms, back: &back, attribution };
     Ok(Some(write_contour_tiles(staged, output, &tiles, console)?))
 }

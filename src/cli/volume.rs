@@ -21,6 +21,7 @@ use super::results::{Results, cell};
 use super::source::source;
 use super::surface::SurfaceArgs;
 use super::unit::ToUnitArgs;
+use super::vertical_shift::ShiftArgs;
 use super::{memory, summary};
 
 /// Most levels of --levels.
@@ -68,6 +69,8 @@ pub struct VolumeArgs {
     to_unit: ToUnitArgs,
     #[command(flatten, next_help_heading = "Output")]
     grid: GridArgs,
+    #[command(flatten, next_help_heading = "Input")]
+    shift: ShiftArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -117,8 +120,9 @@ pub fn run(args: &VolumeArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Usage("a picture shows the curve of many levels: give --levels LOW:HIGH:STEP".into()));
     }
     let mut findings = Vec::new();
-    let VolumeArgs { input, surface, grid, .. } = args;
-    let sides = Sides { input, b: args.b.as_ref(), grid: Some(grid), surface, uncertainty: Uncertainty::Learnt };
+    let VolumeArgs { input, surface, grid, shift, .. } = args;
+    let grid = Some(grid);
+    let sides = Sides { input, b: args.b.as_ref(), grid, surface, shift, uncertainty: Uncertainty::Learnt };
     let ReadSides { mut a, mut b, nodes } = side::read(sides, &contents, &mut findings, console)?;
     side::state_sigma(args.sigma.map(|sigma| args.to_unit.unit().metres(sigma)), [Some(&mut a), b.as_mut()])?;
     let nodes = nodes.ok_or_else(|| Failure::Usage("contours need cells: give --cell SIZE or --like RASTER".into()))?;
@@ -164,7 +168,7 @@ impl VolumeArgs {
         if let Some(sigma) = self.sigma.filter(|sigma| !(sigma.is_finite() && *sigma > 0.0)) {
             return Err(Failure::Usage(format!("--sigma is {sigma}, it must be more than 0")));
         }
-        side::check(&self.input, self.b.as_ref(), &self.surface, console)?;
+        side::check(&self.input, self.b.as_ref(), (&self.surface, &self.shift), console)?;
         let contents = side::contents(&self.input, self.b.as_ref())?;
         let has_grid = console.flags.first(&ABOUT_GRID).is_some();
         if contents.contains(&Content::HeightMap) && has_grid {
@@ -176,7 +180,7 @@ impl VolumeArgs {
         let files = self.input.map.files()?;
         let files = files.iter().map(PathBuf::as_path).chain(self.b.iter().map(|b| b.path.as_path()));
         let others = self.clip.iter().map(|clip| clip.path.as_path()).chain(self.grid.like.as_deref());
-        let inputs: Vec<&Path> = files.chain(others).chain(self.surface.files()).collect();
+        let inputs: Vec<&Path> = files.chain(others).chain(self.surface.files()).chain(self.shift.file()).collect();
         let outputs: Vec<PlannedOutput<'_>> = self.output.iter().map(|path| path.as_path().into()).collect();
         console.check_paths(&inputs, &outputs)?;
         Ok(contents)

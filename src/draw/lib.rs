@@ -3,6 +3,7 @@
 
 pub mod chart;
 mod coordinates;
+mod page;
 pub mod paper;
 pub mod preview;
 pub mod report;

@@ -31,6 +31,7 @@ pub struct Scene<'a> {
     contours: Cow<'a, [ContourLine]>,
     break_lines: Cow<'a, [BreakLine]>,
     patches: Option<&'a Patches>,
+    levels: Vec<f64>,
     subject: Subject,
     reprojection: Option<&'a Reprojection>,
     units: Units,
@@ -54,6 +55,7 @@ impl<'a> Scene<'a> {
             contours: Cow::Borrowed(contours),
             break_lines: Cow::Borrowed(&surface.break_lines),
             patches: None,
+            levels: Vec::new(),
             subject: Subject::Ground,
             reprojection: Some(reprojection),
             units,
@@ -80,6 +82,7 @@ impl<'a> Scene<'a> {
             contours: Cow::Owned(contours),
             break_lines: Cow::Borrowed(break_lines),
             patches,
+            levels: Vec::new(),
             subject: Subject::BreakLines,
             reprojection: Some(reprojection),
             units,
@@ -103,11 +106,17 @@ impl<'a> Scene<'a> {
             contours: Cow::Borrowed(contours),
             break_lines: Cow::Borrowed(&[]),
             patches: None,
+            levels: Vec::new(),
             subject: Subject::Ground,
             reprojection: None,
             units,
             part: None,
         }
+    }
+
+    /// The same with one colour for the ground between each two of these levels, metres, ascending.
+    pub fn in_bands(self, levels: Vec<f64>) -> Self {
+        Self { levels, ..self }
     }
 
     /// The same of a part of the ground alone, with its border. Contours of a surface and of a height map must end there.
@@ -152,6 +161,7 @@ impl<'a> Scene<'a> {
             break_lines: &self.break_lines,
             frame: &self.frame,
             patches: self.patches,
+            levels: &self.levels,
             subject: self.subject,
             reprojection: self.reprojection,
             units: self.units,

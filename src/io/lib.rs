@@ -394,7 +394,7 @@ pub fn with_layers_back<T>(
     back: &FromWorking,
     take: impl FnOnce(&[Layer<'_>]) -> Result<T>,
 ) -> Result<T> {
-    if back.is_identity() && !back.unit().is_foot() {
+    if back.is_identity() && !back.unit().is_foot() && !back.has_depths() {
         return take(layers);
     }
     let mut reprojected = ReprojectedShapes::new(layers, back)?;

@@ -8,13 +8,13 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::facade::Terrain;
-use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Finding, Result};
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::base::{ElevationUnit, Grid, Units};
 use tokosen_core::contour::{Interval, SpotHeights};
 use tokosen_core::crs::{Crs, HeightSystem, Reprojection, Transform, converted};
 use tokosen_core::dem::compare::{Resampled, heights_between};
-use tokosen_core::raster::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
+use tokosen_core::raster::{Dem, RasterRows, ShiftGrid, ShiftWay, WithCrs, looks_like_degrees, mask, metres_per_unit};
 use tokosen_core::surface::{InOther, Surface, SurfaceKind, height_map};
 
 /// One side of a comparison.
@@ -206,6 +206,21 @@ impl Side {
         let height_system = surface.map.height_system.clone();
         let (kind, reprojection) = (Kind::Surface(Box::new(surface)), Some(reprojection));
         Self { source, kind, sigma: None, errors: None, unit: Some(unit), height_system, part, reprojection }
+    }
+
+    /// Shifts the heights of a height map by a grid. A surface stays as it is.
+    ///
+    /// # Errors
+    /// As [`ShiftGrid::shift`]. If the file cannot be read.
+    pub fn shift(&mut self, grid: &ShiftGrid, way: ShiftWay) -> Result<Vec<Finding>> {
+        let Kind::Dem(rows) = &self.kind else { return Ok(Vec::new()) };
+        let mut dem = rows.whole()?.into_owned();
+        let mut findings = rows.findings();
+        findings.extend(grid.shift(&mut dem, way).map_err(|error| error.in_file(&self.source.file))?);
+        self.height_system = dem.crs.as_ref().and_then(Crs::height_system);
+        self.source.crs = dem.crs.as_ref().and_then(Crs::name);
+        self.kind = Kind::Dem(Arc::new(dem));
+        Ok(findings)
     }
 
     /// The surface, if the side is one.

@@ -1,13 +1,21 @@
-//! The distance from a point to a line.
+//! The distance from a point to lines.
 
 use glam::DVec2;
+use rstar::primitives::Line;
+use rstar::{PointDistance, RTree};
 
-/// The distance from a point to the nearest place on a line.
-pub fn distance(p: DVec2, line: &[DVec2]) -> f64 {
-    let to = |pair: &[DVec2]| {
-        let (a, along) = (pair[0], pair[1] - pair[0]);
-        let share = ((p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        p.distance(a + share * along)
-    };
-    line.windows(2).map(to).fold(f64::INFINITY, f64::min)
+/// Lines to which distances are measured.
+pub struct Course(RTree<Line<[f64; 2]>>);
+
+impl Course {
+    pub fn of<'a>(lines: impl IntoIterator<Item = &'a [DVec2]>) -> Self {
+        let pairs = lines.into_iter().flat_map(|line| line.windows(2));
+        Self(RTree::bulk_load(pairs.map(|pair| Line::new(pair[0].to_array(), pair[1].to_array())).collect()))
+    }
+
+    /// The distance from a point to the nearest place on any of the lines. Infinite if there is no line.
+    pub fn distance(&self, p: DVec2) -> f64 {
+        let nearest = self.0.nearest_neighbor(&p.to_array());
+        nearest.map_or(f64::INFINITY, |line| line.distance_2(&p.to_array()).sqrt())
+    }
 }

@@ -12,7 +12,7 @@ mod terrain;
 mod tracer;
 
 pub use crossings::{crossings, same_level_crossings};
-pub use distance::distance;
+pub use distance::Course;
 pub use draws::draws;
 pub use folder::Folder;
 pub use random::Random;

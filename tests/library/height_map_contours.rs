@@ -14,7 +14,7 @@ use tokosen::dem::contour::{ContourParams, DemContours, SMALLEST_TOLERANCE, TOLE
 use tokosen::raster::Dem;
 use tokosen::slice::signed_area;
 
-use crate::common::{self, Random, Terrain, crossings, distance, traces_of};
+use crate::common::{self, Course, Random, Terrain, crossings, traces_of};
 
 /// The heights of a terrain as a height map.
 fn dem_of(terrain: &Terrain) -> Dem {
@@ -155,9 +155,9 @@ fn assert_topology(dem: &Dem, found: &DemContours, interval: f64, what: &str) {
             }
             let is_crossed = (z(col, row) >= level) != (z(far.0, far.1) >= level);
             let found = passed.get(&(along_x, col, row)).copied().unwrap_or_default();
-            let place = format!("{what}: side {along_x} of column {col}, row {row} at level {level}");
-            assert!(found.times <= usize::from(is_crossed), "{place}, crossed {} times", found.times);
-            assert!(found.times == 0 || found.is_right, "{place}: higher ground is on the left");
+            let place = || format!("{what}: side {along_x} of column {col}, row {row} at level {level}");
+            assert!(found.times <= usize::from(is_crossed), "{}, crossed {} times", place(), found.times);
+            assert!(found.times == 0 || found.is_right, "{}: higher ground is on the left", place());
             // Where a line begins or ends on a side, it may be on either side of it.
             missing += usize::from(is_crossed && found.times == 0 && sides == 2);
         }
@@ -165,49 +165,26 @@ fn assert_topology(dem: &Dem, found: &DemContours, interval: f64, what: &str) {
     assert_eq!(missing, 0, "{what}: {missing} sides are not crossed");
 }
 
-/// A line with the box around it.
-struct Boxed<'a> {
-    line: &'a [DVec2],
-    low: DVec2,
-    high: DVec2,
-}
-
 /// Lines are within the tolerance of those of the independent tracer, and these of them.
 fn assert_near(terrain: &Terrain, found: &DemContours, interval: f64, what: &str) -> f64 {
     // A single cell at a level has a ring, so near to it that the tracer gives only the cell's centre.
     let raw = traces_of(&terrain.heights, terrain.cols, terrain.rows, terrain.cell, interval, terrain.origin);
     let most = found.tolerance * (1.0 + 1e-9) + 1e-7;
-    let boxed = |line| {
-        let (low, high) = (|a: DVec2, p: &DVec2| a.min(*p), |a: DVec2, p: &DVec2| a.max(*p));
-        let points: &[DVec2] = line;
-        Boxed {
-            line,
-            low: points.iter().fold(DVec2::INFINITY, low),
-            high: points.iter().fold(DVec2::NEG_INFINITY, high),
-        }
-    };
-    let mut by_level: HashMap<u64, (Vec<Boxed<'_>>, Vec<Boxed<'_>>)> = HashMap::new();
+    let mut by_level: HashMap<u64, [Vec<&[DVec2]>; 2]> = HashMap::new();
     for (level, line) in &raw {
-        by_level.entry(level.to_bits()).or_default().0.push(boxed(line));
+        by_level.entry(level.to_bits()).or_default()[0].push(line);
     }
     for line in lines(found) {
-        by_level.entry(line.elevation.to_bits()).or_default().1.push(boxed(&line.points));
+        by_level.entry(line.elevation.to_bits()).or_default()[1].push(&line.points);
     }
-    let nearest = |p: DVec2, lines: &[Boxed<'_>]| {
-        let near = lines.iter().filter(|l| (l.low - p).max(p - l.high).max_element() <= most);
-        near.map(|l| distance(p, l.line)).fold(f64::INFINITY, f64::min)
-    };
     let mut largest = 0.0_f64;
-    for (traced, written) in by_level.values() {
-        for p in written.iter().flat_map(|line| samples(line.line, terrain.cell)) {
-            let off = nearest(p, traced);
-            assert!(off <= most, "{what}: {p} is {off} off");
-            largest = largest.max(off);
-        }
-        for line in traced.iter().map(|boxed| boxed.line) {
-            for p in samples(line, terrain.cell) {
-                let off = nearest(p, written);
-                assert!(off <= most, "{what}: {p} of the traced line is {off} off");
+    for [traced, written] in by_level.values() {
+        for (lines, others) in [(written, traced), (traced, written)] {
+            let others = Course::of(others.iter().copied());
+            for p in lines.iter().flat_map(|line| samples(line, terrain.cell)) {
+                let off = others.distance(p);
+                assert!(off <= most, "{what}: {p} is {off} off");
+                largest = largest.max(off);
             }
         }
     }

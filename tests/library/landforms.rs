@@ -232,7 +232,11 @@ fn check(subdivision: &Subdivision, what: &str) {
     let polygons: Vec<geo::Polygon<f64>> = forms.iter().map(|f| polygon(subdivision, f)).collect();
     let frame: f64 = subdivision.frame.area.unsigned_area();
     for (id, (form, polygon)) in forms.iter().zip(&polygons).enumerate() {
-        assert!(polygon.is_valid(), "{what}: sub-domain {id} {:?}", polygon.check_validation());
+        let points = |ring: &geo::LineString<f64>| ring.coords().map(|c| DVec2::new(c.x, c.y)).collect();
+        let rings: Vec<(f64, Vec<DVec2>)> =
+            polygon.interiors().iter().chain([polygon.exterior()]).map(|ring| (0.0, points(ring))).collect();
+        let met = [common::crossings(&rings), common::same_level_crossings(&rings)].concat();
+        assert!(met.is_empty(), "{what}: sub-domain {id}: {}", met[0]);
         let outlined: f64 = form.rings.iter().map(|r| r.signed_area(&subdivision.tin)).sum();
         assert!((outlined - form.area).abs() <= 1e-9 * frame, "{what}: {outlined} {}", form.area);
         assert!(form.rings[0].signed_area(&subdivision.tin) > 0.0, "{what}");

@@ -8,7 +8,7 @@ use tokosen::contour::{ContourLine, Source};
 use tokosen::layers::{LayerParams, SIMPLIFIED, contour_layers};
 use tokosen::surface::{Surface, SurfaceParams, build};
 
-use crate::common::{self, distance};
+use crate::common::{self, Course};
 use crate::guarantees::{clean_map, map_of};
 
 fn new_lines(surface: &Surface, step: f64, simplify: Option<f64>) -> Vec<ContourLine> {
@@ -32,8 +32,9 @@ fn simplified_lines_follow_the_traced_ones_within_the_tolerance_and_do_not_cross
             for (line, thin) in traced.iter().zip(&simplified) {
                 assert_eq!(line.elevation, thin.elevation);
                 assert_eq!([line.points.first(), line.points.last()], [thin.points.first(), thin.points.last()]);
-                let off = line.points.iter().map(|&p| distance(p, &thin.points));
-                let back = thin.points.iter().map(|&p| distance(p, &line.points));
+                let [course, thin_course] = [line, thin].map(|line| Course::of([&line.points[..]]));
+                let off = line.points.iter().map(|&p| thin_course.distance(p));
+                let back = thin.points.iter().map(|&p| course.distance(p));
                 let farthest = off.chain(back).fold(0.0, f64::max);
                 assert!(farthest <= tolerance + 1e-9, "{farthest} with {tolerance}");
                 largest = largest.max(farthest / tolerance);

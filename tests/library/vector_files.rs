@@ -618,7 +618,7 @@ fn no_cut_or_changed_byte_of_a_shapefile_panics() {
             let _ = read_contours(&path, &ReadOptions::default());
         }
         for at in 0..whole.len() {
-            for byte in [0, 1, 0x0d, 0x20, 0x7f, 0x80, 0xff] {
+            for byte in [0, 0x20, 0x7f, 0xff] {
                 let mut changed = whole.clone();
                 changed[at] = byte;
                 fs::write(&file, &changed).unwrap();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
+use std::collections::HashSet;
 use std::fs;
 
 use rusqlite::Connection;
@@ -39,6 +40,42 @@ fn areas_are_written_beside_the_lines() {
         "{first}"
     );
     assert!(folder.path("areas_bands_200ft.geojson").exists());
+}
+
+#[test]
+fn bands_have_the_tint_of_the_picture_in_a_style_and_in_the_picture() {
+    let folder = folder_with_part("in.gpkg");
+    let command = "densify in.gpkg -i 100 -o lines.gpkg --surface linear --overwrite";
+    folder.succeeds(&format!("{command} --preview smooth.svg"));
+    folder.succeeds(&format!("{command} --preview bands.svg --bands areas.gpkg"));
+    // The legend has the colours of the tint.
+    let colours = |name: &str| {
+        let text = fs::read_to_string(folder.path(name)).unwrap();
+        let is_colour = |rest: &&str| rest.bytes().all(|b| b.is_ascii_hexdigit());
+        text.split('#').skip(1).filter_map(|rest| rest.get(..6)).filter(is_colour).collect::<HashSet<_>>().len()
+    };
+    assert!(colours("bands.svg") < 20 && colours("smooth.svg") > 50, "{}", colours("bands.svg"));
+    let db = Connection::open(folder.path("areas.gpkg")).unwrap();
+    let style: String = db.query_row("SELECT styleQML FROM layer_styles", [], |row| row.get(0)).unwrap();
+    assert!(style.contains("create_ramp(map(0, '158,192,158'") && style.contains("fillColor"), "{style}");
+}
+
+#[test]
+fn depths_stand_beside_heights() {
+    let folder = folder_with_part("in.gpkg");
+    folder.succeeds("densify in.gpkg -i 20 --surface linear --labels --to-depths -o lines.gpkg --bands areas.gpkg");
+    let lines = Connection::open(folder.path("lines.gpkg")).unwrap();
+    let count = |db: &Connection, sql: &str| db.query_row(sql, [], |row| row.get::<_, i64>(0)).unwrap();
+    assert_eq!(count(&lines, "SELECT count(*) FROM contours_20m WHERE depth <> -elev"), 0);
+    assert!(count(&lines, "SELECT count(*) FROM contours_20m WHERE depth < 0") > 10);
+    assert!(count(&lines, "SELECT count(*) FROM labels WHERE CAST(text AS REAL) = depth AND depth = -elev") > 0);
+    let areas = Connection::open(folder.path("areas.gpkg")).unwrap();
+    let swapped = "SELECT count(*) FROM bands_20m WHERE depth_from = -elev_to AND depth_to = -elev_from AND depth_mid = -elev_mid";
+    assert_eq!(count(&areas, swapped), count(&areas, "SELECT count(*) FROM bands_20m"));
+    for output in ["lines.dxf", "lines.pmtiles"] {
+        let said = folder.ends(&format!("densify in.gpkg -i 20 --to-depths -o {output}"), 2);
+        assert!(said.contains("--to-depths adds attributes"), "{said}");
+    }
 }
 
 #[test]

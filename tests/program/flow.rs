@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec2;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tokosen::base::Grid;
 use tokosen::crs::Crs;
 use tokosen::io::raster::{read_dem, write_dem};
@@ -158,6 +158,19 @@ fn floods_come_from_the_edge_from_places_or_along_streams() {
     let lake = folder.features("lake.geojson");
     assert_eq!(lake.len(), 1);
     assert!(number(&lake[0], "volume_m3") > 0.0 && (number(&lake[0], "depth_max") - 2.9).abs() < 1e-3);
+    folder
+        .succeeds("derive dem.tif --flood bands.geojson --flood-level 55 --flood-from 5305,7155 --flood-bands 0.5,1,2");
+    let bands = folder.features("bands.geojson");
+    let sum = |name: &str| bands.iter().map(|band| number(band, name)).sum::<f64>();
+    for name in ["area_m2", "volume_m3"] {
+        assert!((sum(name) - number(&lake[0], name)).abs() < 1e-6 * sum(name), "{name}");
+    }
+    let mut ends: Vec<_> =
+        bands.iter().map(|band| (number(band, "depth_from"), &band["properties"]["depth_to"])).collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ends.dedup();
+    let expected = [(0.0, &json!(0.5)), (0.5, &json!(1.0)), (1.0, &json!(2.0)), (2.0, &Value::Null)];
+    assert_eq!(ends, expected);
     for (place, words) in [("5305,7300", "not below the level"), ("1,1", "outside the height map")] {
         let text = folder.ends(&format!("derive dem.tif --flood x.tif --flood-level 55 --flood-from {place}"), 1);
         assert!(text.contains(words), "{text}");
@@ -190,6 +203,8 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive dem.tif --flood a.tif --flood-level high", "a level such as 12.5"),
         ("derive dem.tif --flood a.tif --flood-level +2", "needs --threshold"),
         ("derive dem.tif --flood a.tif --flood-level +2 --threshold 9 --flood-from 1,2", "--flood-from goes with"),
+        ("derive dem.tif --flood a.tif --flood-level 5 --flood-bands 1,2", "--flood-bands parts areas"),
+        ("derive dem.tif --flood a.gpkg --flood-level 5 --flood-bands 2,1", "from small to large"),
         ("derive dem.tif --slope a.tif --accumulation-unit m2", "--flow-accumulation <FILE>"),
         ("derive dem.tif --flood a.gpkg --flood-level 5 --catchments a.gpkg", "the name of two outputs"),
     ] {

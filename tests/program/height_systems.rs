@@ -114,6 +114,20 @@ fn grids_shift_height_maps_both_ways() {
     let pairs = plain.values.iter().zip(&shifted.values).filter(|(a, _)| !a.is_nan());
     assert!(pairs.clone().count() > 100);
     assert!(pairs.into_iter().all(|(a, b)| (b - a - 12.25).abs() < 1e-4));
+    // A shift of one height map is found by those that compare two.
+    folder.succeeds("compare plain.tif shifted.tif --vertical-shift hill.gtx -o difference.tif");
+    let difference = read_dem(&folder.path("difference.tif")).unwrap().value.dem.values;
+    assert!(difference.iter().filter(|d| !d.is_nan()).count() > 100);
+    assert!(difference.iter().all(|d| d.is_nan() || d.abs() < 1e-4));
+    let said = folder.succeeds("volume plain.tif shifted.tif --vertical-shift hill.gtx");
+    assert!(said.contains("hill.gtx does not name the height system"), "{said}");
+    folder.succeeds("derive plain.tif --flood low.tif --flood-level 22");
+    folder.succeeds("derive plain.tif --vertical-shift hill.gtx --flood high.tif --flood-level 34.25");
+    let [low, high] = ["low.tif", "high.tif"].map(|name| read_dem(&folder.path(name)).unwrap().value.dem.values);
+    assert!(low.iter().any(|depth| *depth > 0.0));
+    assert!(low.iter().zip(&high).all(|(a, b)| a.is_nan() && b.is_nan() || (a - b).abs() < 1e-4));
+    let said = folder.ends("compare hill.geojson hill.geojson --cell 20 --vertical-shift hill.gtx", 2);
+    assert!(said.contains("is for height maps"), "{said}");
 }
 
 #[test]
@@ -122,6 +136,6 @@ fn the_commands_of_the_page_run() {
     run(&folder, "tokosen dem contours.gpkg --cell 20 -o dem.tif --surface linear");
     gtx(&folder, "shift.gtx", [-85.5, 35.5]);
     let commands = commands(include_str!("../../src/guide/height_systems.md"));
-    assert_eq!(commands.len(), 2);
+    assert_eq!(commands.len(), 3);
     commands.into_iter().for_each(|command| drop(run(&folder, command)));
 }

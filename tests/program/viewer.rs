@@ -16,7 +16,7 @@ const FAILED: i32 = 1;
 /// What a page knows: its title, and the names of its sets with the extension of their tiles.
 fn page(folder: &Folder, name: &str) -> (String, Vec<String>) {
     let page = fs::read_to_string(folder.path(name)).unwrap();
-    let data = page.split("id=\"sets\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
+    let data = page.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
     let data: serde_json::Value = serde_json::from_str(data).unwrap();
     let set = |set: &serde_json::Value| {
         let [name, extension] = ["name", "extension"].map(|key| set[key].as_str().unwrap_or_default());

@@ -9,6 +9,7 @@ use crate::cli::height_map::GridArgs;
 use crate::cli::input::InputArgs;
 use crate::cli::source::source;
 use crate::cli::surface::SurfaceArgs;
+use crate::cli::vertical_shift::ShiftArgs;
 
 /// Differences between two height maps or surfaces of contours
 ///
@@ -48,6 +49,8 @@ pub struct CompareArgs {
     pub report: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     pub grid: GridArgs,
+    #[command(flatten, next_help_heading = "Input")]
+    pub shift: ShiftArgs,
     #[command(flatten)]
     pub surface: SurfaceArgs,
 }

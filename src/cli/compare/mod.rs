@@ -86,8 +86,8 @@ fn pair(
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Pair, Failure> {
-    let CompareArgs { input, b, grid, surface, .. } = args;
-    let sides = Sides { input, b: Some(b), grid: Some(grid), surface, uncertainty: Uncertainty::default() };
+    let CompareArgs { input, b, grid, surface, shift, .. } = args;
+    let sides = Sides { input, b: Some(b), grid: Some(grid), surface, shift, uncertainty: Uncertainty::default() };
     match side::read(sides, &contents, findings, console)? {
         ReadSides { a, b: Some(b), nodes: Some(nodes) } => {
             Pair::refuse_degrees(&nodes, &args.b.path)?;
@@ -114,6 +114,7 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
             return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
         }
     }
+    args.shift.check(contents.contains(&Content::HeightMap))?;
     if contents == [Content::HeightMap; 2] {
         // Check points have a unit too.
         let but = args.input.map.points.as_ref().map(|_| "--unit");
@@ -135,7 +136,8 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     }
     let files = args.input.map.files()?;
     let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);
-    let inputs: Vec<&Path> = files.chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
+    let inputs: Vec<&Path> =
+        files.chain(args.grid.like.as_deref()).chain(args.surface.files()).chain(args.shift.file()).collect();
     let outputs: Vec<PlannedOutput<'_>> = args.output.iter().chain(&args.report).map(|p| p.as_path().into()).collect();
     console.check_paths(&inputs, &outputs)?;
     Ok(contents)

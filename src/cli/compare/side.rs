@@ -16,6 +16,7 @@ use crate::cli::input::{InputArgs, Scope};
 use crate::cli::job::build;
 use crate::cli::map::MapArgs;
 use crate::cli::surface::{ABOUT_SURFACE, SurfaceArgs};
+use crate::cli::vertical_shift::ShiftArgs;
 
 /// The arguments about the sides.
 #[derive(Clone, Copy)]
@@ -26,6 +27,8 @@ pub struct Sides<'a> {
     /// The cells at which contours are evaluated, if heights are not those of single places.
     pub grid: Option<&'a GridArgs>,
     pub surface: &'a SurfaceArgs,
+    /// The shift of the heights of a height map; of two, of the first one.
+    pub shift: &'a ShiftArgs,
     pub uncertainty: Uncertainty,
 }
 
@@ -46,11 +49,16 @@ pub fn read(
 ) -> Result<ReadSides, Failure> {
     let path_a = args.input.map.file();
     // Height maps come first, because the surface is built for their cells.
-    let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
-        match content {
-            Content::Contours => Ok(None),
-            Content::HeightMap => Ok(Some(Side::read_height_map(path, console)?.collect(findings))),
+    let mut shift = args.shift.read()?;
+    let mut dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
+        if content == Content::Contours {
+            return Ok(None);
         }
+        let mut side = Side::read_height_map(path, console)?.collect(findings);
+        if let Some(shift) = shift.take() {
+            findings.extend(shift.apply_to_side(&mut side)?);
+        }
+        Ok(Some(side))
     };
     let mut known = 0;
     let mut label = |side: &str, findings: &mut Vec<Finding>| {
@@ -136,11 +144,13 @@ pub fn contents(input: &InputArgs, b: Option<&VectorSource>) -> Result<Vec<Conte
 pub fn check(
     input: &InputArgs,
     b: Option<&VectorSource>,
-    surface: &SurfaceArgs,
+    (surface, shift): (&SurfaceArgs, &ShiftArgs),
     console: &Console,
 ) -> Result<(), Failure> {
     let flags = &console.flags;
-    if contents(input, b)?.contains(&Content::Contours) {
+    let contents = contents(input, b)?;
+    shift.check(contents.contains(&Content::HeightMap))?;
+    if contents.contains(&Content::Contours) {
         return surface.check(flags);
     }
     match InputArgs::about_contours(flags, None).or_else(|| flags.first(&ABOUT_SURFACE)) {

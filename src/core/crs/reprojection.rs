@@ -383,6 +383,7 @@ pub struct FromWorking {
     /// The same for heights in the unit of the output.
     crs: Option<Crs>,
     unit: ElevationUnit,
+    has_depths: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -396,7 +397,7 @@ enum Target {
 impl FromWorking {
     fn new(reprojection: &Reprojection, target: Target, crs: Option<&Crs>) -> Self {
         let (reprojection, whole) = (reprojection.clone(), crs.cloned());
-        Self { reprojection, target, whole, crs: None, unit: ElevationUnit::Metre }
+        Self { reprojection, target, whole, crs: None, unit: ElevationUnit::Metre, has_depths: false }
             .with_heights_in(ElevationUnit::Metre)
     }
 
@@ -406,12 +407,23 @@ impl FromWorking {
         Self { crs, unit, ..self }
     }
 
+    /// The same for an output that has depths, positive downwards, beside its heights.
+    pub fn with_depths(self) -> Self {
+        Self { has_depths: true, ..self }
+    }
+
+    /// Whether the output has depths beside its heights.
+    pub fn has_depths(&self) -> bool {
+        self.has_depths
+    }
+
     /// The same to the system `to`.
     ///
     /// # Errors
     /// As [`Reprojection::from_working`].
     pub fn to(&self, to: &Crs) -> Result<Self> {
-        Ok(self.reprojection.from_working(Some(to))?.with_heights_in(self.unit))
+        let to = self.reprojection.from_working(Some(to))?.with_heights_in(self.unit);
+        Ok(Self { has_depths: self.has_depths, ..to })
     }
 
     /// The unit of heights in the output.

@@ -44,6 +44,15 @@ pub(super) fn compound(horizontal: Crs, code: u32) -> Crs {
     Crs { epsg: None, wkt: Some(format!("COMPD_CS[\"{name} + EPSG:{code}\",{plane},{vertical}]")) }
 }
 
+impl Crs {
+    /// The horizontal part with another vertical system, by its EPSG code. The horizontal part alone if there is no code, or it is
+    /// not in the table of height systems.
+    pub fn with_vertical(&self, code: Option<u32>) -> Self {
+        let horizontal = self.horizontal();
+        code.map_or_else(|| horizontal.clone(), |code| compound(horizontal.clone(), code))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,6 +69,9 @@ mod tests {
         assert_eq!(metres, Some(1.0));
         // A vertical system that is not known here says nothing about the unit.
         assert_eq!(Crs::from_name("EPSG:25832+1"), Some(Crs::from_epsg(25832)));
+        let other = Crs::from_name("EPSG:25832+5730").map(|crs| crs.with_vertical(Some(5621)));
+        assert_eq!(other.as_ref().and_then(Crs::height_system).map(|system| system.name).as_deref(), Some("EVRF2007"));
+        assert_eq!(other.map(|crs| crs.with_vertical(None)), Some(Crs::from_epsg(25832)));
         for none in ["EPSG:25832+", "EPSG:+5730", "urn:ogc:def:crs,crs:EPSG::25832"] {
             assert_eq!(pair_in(none), None, "{none}");
         }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::height_map::Dem;
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::parallel;
 use crate::crs::{Crs, Transform};
 
@@ -25,6 +25,8 @@ pub struct ShiftGrid {
     pub cols: usize,
     /// Metres, row by row from the south-west; NaN where there is none.
     pub values: Vec<f32>,
+    /// The EPSG codes of the height systems before and after the values are added, as far as the file names them.
+    pub systems: [Option<u32>; 2],
 }
 
 /// What is done with the values of a grid.
@@ -71,18 +73,20 @@ impl ShiftGrid {
         (weights > 0.0).then(|| sum / weights)
     }
 
-    /// Shifts the heights of a height map. Cells outside of the grid lose their heights; their number is returned.
+    /// Shifts the heights of a height map. Its system of coordinates then names the height system that they are in, if the file
+    /// does. The findings tell how many cells outside of the grid lost their heights, and whether the system is not known.
     ///
     /// # Errors
     /// If the system of the cells is not known, and if no cell with a height lies on the grid.
-    pub fn shift(&self, dem: &mut Dem, way: ShiftWay) -> Result<usize> {
+    pub fn shift(&self, dem: &mut Dem, way: ShiftWay) -> Result<Vec<Finding>> {
         let unknown = || {
             let message = "the height map names no coordinate reference system, so nobody knows where it lies on the grid of \
                            shifts";
             Error::Data(message.into())
         };
         let degrees = dem.crs.as_ref().and_then(Crs::geographic).ok_or_else(unknown)?;
-        let to_degrees = Transform::between_known(dem.crs.as_ref().map(Crs::horizontal).as_ref(), Some(&degrees))?;
+        let horizontal = dem.crs.as_ref().map(Crs::horizontal);
+        let to_degrees = Transform::between_known(horizontal.as_ref(), Some(&degrees))?;
         let (grid, sign) = (dem.grid, if way == ShiftWay::Add { 1.0 } else { -1.0 });
         let before = dem.values.iter().filter(|height| !height.is_nan()).count();
         parallel::update(&mut dem.values, |cell, height| {
@@ -97,7 +101,21 @@ impl ShiftGrid {
         if after == 0 && before > 0 {
             return Err(Error::file(&self.file, "the grid of shifts does not cover the height map"));
         }
-        Ok(before - after)
+        let [from, to] = self.systems;
+        dem.crs = horizontal.map(|crs| crs.with_vertical(if way == ShiftWay::Add { to } else { from }));
+        let (lost, file) = (before - after, self.file.display());
+        let mut findings = Vec::new();
+        if lost > 0 {
+            let message = format!("{lost} cells lie outside of the grid {file}; they have no height");
+            findings.push(Finding::general(FindingKind::NoHeight, message));
+        }
+        if dem.crs.as_ref().and_then(Crs::height_system).is_none() {
+            let message = format!(
+                "{file} does not name the height system that heights are in after the shift, so no output names it"
+            );
+            findings.push(Finding::general(FindingKind::UnknownHeights, message));
+        }
+        Ok(findings)
     }
 }
 
@@ -115,6 +133,7 @@ mod tests {
             step: DVec2::new(0.5, 1.0),
             cols: 3,
             values,
+            systems: [Some(5728), Some(5729)],
         }
     }
 
@@ -134,12 +153,17 @@ mod tests {
     #[test]
     fn heights_are_shifted_both_ways() {
         let cells = Grid { corner: DVec2::new(137.75, 36.5), cell: DVec2::new(0.5, 1.0), cols: 3, rows: 2 };
-        let dem = Dem { grid: cells, values: vec![100.0; 6], crs: Some(Crs::from_epsg(6668)) };
+        let dem = Dem { grid: cells, values: vec![100.0; 6], crs: Crs::from_name("EPSG:6668+5728") };
         let mut shifted = dem.clone();
-        assert_eq!(grid().shift(&mut shifted, ShiftWay::Add).unwrap(), 0);
+        assert_eq!(grid().shift(&mut shifted, ShiftWay::Add).unwrap(), []);
         assert_eq!(shifted.values, [110.0, 111.0, 112.0, 100.0, 101.0, 102.0]);
+        assert_eq!(shifted.crs, Crs::from_name("EPSG:6668+5729"));
         grid().shift(&mut shifted, ShiftWay::Subtract).unwrap();
         assert_eq!(shifted, dem);
+        let nameless = ShiftGrid { systems: [None; 2], ..grid() };
+        let found = nameless.shift(&mut shifted, ShiftWay::Add).unwrap();
+        assert_eq!((found.len(), found[0].kind), (1, FindingKind::UnknownHeights));
+        assert_eq!(shifted.crs, Some(Crs::from_epsg(6668)), "not the system that the heights were in before");
         let mut nowhere = Dem { crs: None, ..dem.clone() };
         assert!(grid().shift(&mut nowhere, ShiftWay::Add).is_err());
         let mut elsewhere = Dem { grid: Grid { corner: DVec2::ZERO, ..cells }, ..dem };

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Line, Rectangle};
-use rstar::{AABB, ParentNode, PointDistance, RTree, RTreeNode};
+use rstar::{AABB, ParentNode, PointDistance, RStarInsertionStrategy, RTree, RTreeNode, RTreeParams};
 
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
@@ -27,10 +27,20 @@ const ROUNDING: f64 = 1e-12;
 /// A piece of the border.
 type Segment = Line<[f64; 2]>;
 
+/// Nodes of a tree of segments are larger than usual. The trees are made faster, which takes longer than all searches in them.
+struct LargeNodes;
+
+impl RTreeParams for LargeNodes {
+    const MIN_SIZE: usize = 8;
+    const MAX_SIZE: usize = 16;
+    const REINSERTION_COUNT: usize = 2;
+    type DefaultInsertionStrategy = RStarInsertionStrategy;
+}
+
 /// The border of one sub-domain at one level.
 pub(super) struct LevelTree {
     pub level: f64,
-    tree: RTree<Segment>,
+    tree: RTree<Segment, LargeNodes>,
 }
 
 impl LevelTree {
@@ -102,7 +112,7 @@ impl BorderLevels {
         let levels: Vec<&[(f64, u32, u8)]> = segments.chunk_by(|a, b| a.0 == b.0).collect();
         let of_level = |same: &&[(f64, u32, u8)]| LevelTree {
             level: same[0].0,
-            tree: RTree::bulk_load(same.iter().map(line).collect()),
+            tree: RTree::bulk_load_with_params(same.iter().map(line).collect()),
         };
         let trees: Vec<LevelTree> = levels.iter().map(of_level).collect();
         let is_small = |level: &LevelTree| (level.tree.size() as f64) < SMALL_SHARE * segments.len() as f64;

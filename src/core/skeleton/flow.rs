@@ -31,6 +31,10 @@ use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};
 use crate::tuning::SkeletonTuning;
 
+/// Slope of a level stretch of a line without a point above or below, as a share of the way to the edge of the
+/// band.
+const PLATEAU_SPREAD: f64 = 0.01;
+
 /// How the pieces of an axis fall.
 #[derive(Debug, Clone, Default)]
 pub struct Flow {
@@ -358,7 +362,7 @@ fn ramps(network: &Network, flood_number: &[u32], heights: &mut [f64]) {
         if stretch.len() < 2 {
             continue;
         }
-        let spread = network.graph.tuning.plateau_spread;
+        let spread = PLATEAU_SPREAD;
         let bottom =
             if below.is_finite() { height.midpoint(below) } else { height - spread * (height - network.floor) };
         let top = if above.is_finite() { height.midpoint(above) } else { height + spread * (network.ceiling - height) };

@@ -29,6 +29,13 @@ const WASTE: usize = 4;
 const BYTES_PER_NODE: f64 = 120.0;
 /// Bytes of memory per further crossing of a contour with an edge between nodes, as measured.
 const BYTES_PER_CROSSING: f64 = 100.0;
+/// Nodes per mean segment of the contours, at most. What lies between two vertices is unknown.
+const NODES_PER_SEGMENT: f64 = 2.0;
+/// Nodes per spacing, at least, however long the segments are.
+const MIN_NODES_PER_SPACING: f64 = 3.0;
+/// Largest cell of a height map, in spacings, that is not divided for the working grid. Above it, several
+/// contours cross the edges between nodes.
+const MAX_SPACINGS_PER_CELL: f64 = 2.0;
 
 /// Mean distance between neighbouring vertices of contours, map units.
 fn vertex_spacing(extent: &MapExtent<'_>) -> f64 {
@@ -75,7 +82,7 @@ fn of_sizes(spacing: f64, sizes: Sizes, tuning: &GridTuning) -> Grid {
     let cell = asked.max(least).max(1e-6 * size.max_element());
     let Some(cut) = cut else { return with_border(&Grid::on_multiples(lo, hi, cell)) };
     let is = (cut.cell.x * cut.cell.y).sqrt();
-    if is > tuning.max_spacings_per_cell * spacing {
+    if is > MAX_SPACINGS_PER_CELL * spacing {
         let whole = divided(&cut, odd_above(is / spacing.max(least), most / cells));
         let on_map = clipped(&divided(&cut, odd_above(is / spacing.max(least), f64::INFINITY)), lo, hi);
         if on_map.len() < whole.len() / WASTE { on_map } else { whole }
@@ -114,8 +121,7 @@ impl Sizes {
     fn new(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Self {
         let (lo, hi) = extent.frame.extent();
         let spacing = extent.spacing;
-        let of_vertices =
-            (vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing);
+        let of_vertices = (vertex_spacing(extent) / NODES_PER_SEGMENT).min(spacing / MIN_NODES_PER_SPACING);
         let asked = (spacing / tuning.nodes_per_spacing).max(of_vertices);
         let finest = (2.0 * spacing / tuning.nodes_per_spacing).max(of_vertices) / tuning.max_times_finer;
         let is_given = matches!(wanted, Some(Wanted::Grid(_)));

@@ -29,6 +29,8 @@ use crate::tuning::ShrinkageTuning;
 
 /// Variance of heights that are uniform over a band, as a share of the square of its height: a closed form.
 const EVEN: f32 = 1.0 / 12.0;
+/// How far around a spot height the ground is known better, as a share of the distance between contours there.
+const SPOT_REACH: f64 = 0.5;
 
 /// The standard error of a surface half-way between contours.
 #[derive(Debug, Clone, Copy)]
@@ -102,7 +104,7 @@ impl Relative {
         let mean_distance = step * (count / spots.len().max(1) as f64).sqrt();
         for (crossing, _) in spots {
             let node = crossing.node as usize;
-            let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(mean_distance);
+            let reach = (spacing * SPOT_REACH / f64::from(contour_density[node])).min(mean_distance);
             for_each_near(lattice, node, reach, |n, share| variances[n] *= share);
         }
         variances

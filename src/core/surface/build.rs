@@ -27,7 +27,7 @@ use crate::spline::{self, Conditions, Drainage, Fold, WorkingGrids, bytes_on, sp
 use crate::streams::{Stream, follow, without_climbs};
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
-use crate::tin::Tin;
+use crate::tin::{Tin, TinInput};
 use crate::validate::{Chosen, TrialParams, choose, error_field};
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::clean::clean)).
@@ -226,8 +226,8 @@ fn triangulated(
             memory::check(bytes_on(grid, length), params.memory, what, remedy)?;
         }
     }
-    // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
-    let input = std::mem::take(&mut subdivision.input);
+    // What was triangulated takes much of the memory. It is freed as soon as it is not needed any more.
+    let mut input = std::mem::take(&mut subdivision.input);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
     // A part of a map may have few streams, and these may be bad ones.
@@ -237,6 +237,9 @@ fn triangulated(
     }
     findings.extend(of_lines);
     let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
+    if known.is_empty() {
+        input = TinInput::default();
+    }
     let tuning = &params.tuning.skeleton;
     let skeleton = (params.kind != SurfaceKind::Linear).then(|| {
         progress.start("ridge and canyon lines", 0);

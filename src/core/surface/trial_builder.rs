@@ -6,6 +6,7 @@ use crate::base::Grid;
 use crate::skeleton::{BreakLine, skeleton};
 use crate::spline::Conditions;
 use crate::subdivision::Subdivision;
+use crate::tin::TinInput;
 use crate::tuning::SkeletonTuning;
 use crate::validate::SurfaceBuilder;
 
@@ -20,9 +21,9 @@ pub struct TrialBuilder<'t> {
 impl SurfaceBuilder for TrialBuilder<'_> {
     fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
-        let input = std::mem::take(&mut subdivision.input);
+        subdivision.input = TinInput::default();
         let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, self.tuning);
-        let finer = finer(&subdivision, input, skeleton, &[], &[], self.tuning).ok()?;
+        let finer = finer(&subdivision, TinInput::default(), skeleton, &[], &[], self.tuning).ok()?;
         let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
         Some((subdivision, break_lines))
     }

@@ -108,7 +108,8 @@ impl Block {
         }
         let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
         let edges: Vec<[u32; 2]> = edges.map(|edge| edge.map(local)).collect();
-        let faces = faces_between(vertices.iter().map(|&v| positions[v as usize]).collect(), &edges)?;
+        let places: Vec<DVec2> = vertices.iter().map(|&v| positions[v as usize]).collect();
+        let faces = faces_between(&places, &edges)?;
         let mut number = vec![NONE; faces.len()];
         let mut count = 0;
         for (f, face) in faces.iter().enumerate() {
@@ -181,7 +182,8 @@ fn close(mut faces: Vec<Face>, positions: &[DVec2], edges: &[[u32; 2]]) -> Resul
     let given = given.filter(|[u, v]| *u != NONE && *v != NONE);
     let bounds = open_edges().map(|(_, _, edge, _)| edge.map(|v| local[v as usize]));
     let constraints: Vec<[u32; 2]> = given.chain(bounds).collect();
-    let found = faces_between(vertices.iter().map(|&v| positions[v as usize]).collect(), &constraints)?;
+    let places: Vec<DVec2> = vertices.iter().map(|&v| positions[v as usize]).collect();
+    let found = faces_between(&places, &constraints)?;
     // The triangulation also fills the ground of the certain triangles.
     let is_filled = |face: &Face| (0..3).any(|i| on_outline(face.edge(i)).is_some());
     let mut filled = vec![false; found.len()];
@@ -264,7 +266,7 @@ mod tests {
     #[test]
     fn blocks_joined_are_the_triangulation_of_all() {
         let (points, edges) = rings(0.7);
-        let whole = faces_between(points.clone(), &edges).unwrap();
+        let whole = faces_between(&points, &edges).unwrap();
         for most in [5, 17, 60, 200, 1000] {
             let joined = in_blocks(&points, &edges, most).unwrap().unwrap();
             assert_eq!(sorted(&joined), sorted(&whole), "{most}");
@@ -282,7 +284,7 @@ mod tests {
         let (mut points, edges) = rings(0.0);
         let raster = (0..40).flat_map(|i| (0..40).map(move |j| DVec2::new(f64::from(i) + 160.0, f64::from(j))));
         points.extend(raster);
-        let whole = faces_between(points.clone(), &edges).unwrap();
+        let whole = faces_between(&points, &edges).unwrap();
         for most in [20, 64, 500] {
             let joined = in_blocks(&points, &edges, most).unwrap().unwrap();
             assert_eq!(joined.len(), whole.len(), "{most}");

@@ -15,9 +15,9 @@ use crate::base::parallel;
 impl Tin {
     /// Takes these triangles. They are numbered along the contours, as the vertices are. So work that goes from
     /// triangle to triangle finds its data close together in memory.
-    pub(super) fn set_faces(&mut self, faces: &[Face]) {
+    pub(super) fn set_faces(&mut self, faces: Vec<Face>) {
         // A counting sort by least corner. Triangles with the same one keep their order.
-        let least: Vec<u32> = parallel::values_each(faces, |face| face.corners.into_iter().fold(NONE, u32::min));
+        let least: Vec<u32> = parallel::values_each(&faces, |face| face.corners.into_iter().fold(NONE, u32::min));
         let mut next = vec![0; self.positions.len() + 1];
         least.iter().for_each(|&v| next[v as usize + 1] += 1);
         (0..self.positions.len()).for_each(|v| next[v + 1] += next[v]);
@@ -28,12 +28,19 @@ impl Tin {
             (number[f], order[*t as usize]) = (*t, f as u32);
             *t += 1;
         }
-        let of = |&f: &u32| faces[f as usize];
         let numbered = |f: u32| if f == NONE { NONE } else { number[f as usize] };
-        self.triangles = parallel::values_each(&order, |f| of(f).corners);
-        self.neighbours = parallel::values_each(&order, |f| of(f).beyond.map(numbered));
-        self.inside = parallel::values_each(&order, |f| of(f).inside);
-        self.edges = parallel::values_each(&order, |f| of(f).edges);
+        let count = faces.len();
+        (self.triangles, self.neighbours) = (vec![[NONE; 3]; count], vec![[NONE; 3]; count]);
+        (self.edges, self.inside) = (vec![0; count], vec![false; count]);
+        let of_vertices = self.triangles.par_iter_mut().zip(&mut self.neighbours);
+        let of_flags = self.edges.par_iter_mut().zip(&mut self.inside);
+        // One pass, because each looks faces up all over memory.
+        of_vertices.zip(of_flags).zip(&order).for_each(|(((corners, beyond), (edges, inside)), &f)| {
+            let face = faces[f as usize];
+            (*corners, *beyond) = (face.corners, face.beyond.map(numbered));
+            (*edges, *inside) = (face.edges, face.inside);
+        });
+        drop((faces, order, number));
         self.edges = parallel::values(self.len(), |t| self.with_contours(t as u32));
     }
 }
@@ -54,9 +61,10 @@ pub fn triangulate(input: impl Borrow<TinInput>) -> Result<Tin> {
     };
     let faces = match in_blocks {
         Some(faces) => faces,
-        None => with_loose(positions, &edges, &loose).map_err(|e| input.in_map(e))?,
+        None => with_loose(&positions, &edges, &loose).map_err(|e| input.in_map(e))?,
     };
-    numbered(input, source, faces)
+    drop((edges, loose));
+    numbered(input, (source, positions), faces)
 }
 
 /// Triangulates points and edges, and gives only the triangles, in no particular order. Their corners are points of the
@@ -67,7 +75,8 @@ pub fn triangulate(input: impl Borrow<TinInput>) -> Result<Tin> {
 pub(super) fn faces(input: &TinInput) -> Result<Vec<Face>> {
     let (source, vertex_of) = merge_equal_positions(&input.positions);
     let edges = between_vertices(&input.edges, &vertex_of);
-    let mut faces = faces_between(source.iter().map(|&i| input.positions[i as usize]).collect(), &edges)?;
+    let positions: Vec<DVec2> = source.iter().map(|&i| input.positions[i as usize]).collect();
+    let mut faces = faces_between(&positions, &edges)?;
     faces.iter_mut().flat_map(|face| &mut face.corners).for_each(|v| *v = source[*v as usize]);
     Ok(faces)
 }
@@ -78,21 +87,20 @@ fn between_vertices(edges: &[[u32; 2]], vertex_of: &[u32]) -> Vec<[u32; 2]> {
 }
 
 /// The network of these triangles. `source` gives the point of each vertex.
-fn numbered(input: &TinInput, source: Vec<u32>, faces: Vec<Face>) -> Result<Tin> {
+fn numbered(input: &TinInput, (source, positions): (Vec<u32>, Vec<DVec2>), faces: Vec<Face>) -> Result<Tin> {
     if faces.is_empty() {
         return Err(Error::NoArea);
     }
     let pick = |i: &u32| *i as usize;
     let mut tin = Tin {
         origin: input.origin,
-        positions: source.iter().map(|i| input.positions[pick(i)]).collect(),
+        positions,
         heights: source.iter().map(|i| input.heights[pick(i)]).collect(),
         kinds: source.iter().map(|i| input.kinds[pick(i)]).collect(),
         source,
         ..Tin::default()
     };
-    tin.set_faces(&faces);
-    drop(faces);
+    tin.set_faces(faces);
     peel_flat_border(&mut tin, input.border_tolerance);
     Ok(tin)
 }

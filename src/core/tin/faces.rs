@@ -37,12 +37,12 @@ impl Face {
 ///
 /// # Errors
 /// When a coordinate is out of range, or when edges cross: their place as the positions are.
-pub(super) fn faces_between(positions: Vec<DVec2>, edges: &[[u32; 2]]) -> Result<Vec<Face>> {
+pub(super) fn faces_between(positions: &[DVec2], edges: &[[u32; 2]]) -> Result<Vec<Face>> {
     with_loose(positions, edges, &[])
 }
 
 /// As [`faces_between`], with those `loose` edges that cross no others.
-pub(super) fn with_loose(positions: Vec<DVec2>, edges: &[[u32; 2]], loose: &[[u32; 2]]) -> Result<Vec<Face>> {
+pub(super) fn with_loose(positions: &[DVec2], edges: &[[u32; 2]], loose: &[[u32; 2]]) -> Result<Vec<Face>> {
     let mut cdt = loaded(positions, edges)?;
     for ends in loose {
         let [from, to] = ends.map(|v| FixedVertexHandle::from_index(v as usize));
@@ -54,7 +54,7 @@ pub(super) fn with_loose(positions: Vec<DVec2>, edges: &[[u32; 2]], loose: &[[u3
 }
 
 /// Spade's triangulation of different positions.
-fn loaded(positions: Vec<DVec2>, edges: &[[u32; 2]]) -> Result<Cdt> {
+fn loaded(positions: &[DVec2], edges: &[[u32; 2]]) -> Result<Cdt> {
     let vertices = positions.iter().map(|&p| point(p)).collect();
     let mut conflict = None;
     let cdt = Cdt::try_bulk_load_cdt(vertices, edges.iter().map(|e| e.map(|v| v as usize)).collect(), |e| {

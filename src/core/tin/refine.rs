@@ -110,7 +110,7 @@ impl Tin {
             source: self.source.iter().copied().chain((first..).take(points.len())).collect(),
             ..Self::default()
         };
-        refined.set_faces(&faces);
+        refined.set_faces(faces);
         Ok(refined)
     }
 }

@@ -65,19 +65,27 @@ impl Tin {
         let is_whole = |t: usize| on_edges[t] == [NONE; 3] && inside[t] == NONE;
         let chunk = 1 << 14;
         let chunks = parallel::map(self.len().div_ceil(chunk), |k| {
-            let (mut parts, mut parents) = (Vec::new(), Vec::new());
+            let (mut triangles, mut edges, mut parents) = (Vec::new(), Vec::new(), Vec::new());
+            let mut add = |t: usize, (corners, constraints): ([u32; 3], u16)| {
+                triangles.push(corners);
+                edges.push(constraints);
+                parents.push(t as u32);
+            };
             for t in k * chunk..self.len().min((k + 1) * chunk) {
                 match is_whole(t) {
-                    true => parts.push((self.triangles[t], 0)),
-                    false => parts.extend(parts_of(t)),
+                    true => add(t, (self.triangles[t], 0)),
+                    false => parts_of(t).into_iter().for_each(|part| add(t, part)),
                 }
-                parents.resize(parts.len(), t as u32);
             }
-            (parts, parents)
+            (triangles, edges, parents)
         });
-        let (mut parts, mut parents): (Parts, Vec<u32>) = (Vec::new(), Vec::new());
-        for (of_chunk, parents_of_chunk) in chunks {
-            parts.extend(of_chunk);
+        let count = chunks.iter().map(|(triangles, ..)| triangles.len()).sum();
+        let (mut triangles, mut parents) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        // At first, each has the bits of the pieces inside its parent.
+        let mut edges: Vec<u16> = Vec::with_capacity(count);
+        for (triangles_of_chunk, edges_of_chunk, parents_of_chunk) in chunks {
+            triangles.extend(triangles_of_chunk);
+            edges.extend(edges_of_chunk);
             parents.extend(parents_of_chunk);
         }
         let mut starts = vec![0_u32; self.len() + 1];
@@ -85,23 +93,24 @@ impl Tin {
         (0..self.len()).for_each(|t| starts[t + 1] += starts[t]);
         let with_edge = |parent: u32, [u, v]: [u32; 2]| {
             let own = starts[parent as usize]..starts[parent as usize + 1];
-            own.into_iter().find(|&p| (0..3).any(|i| edge_of(parts[p as usize].0, i) == [u, v])).unwrap_or(NONE)
+            own.into_iter().find(|&p| (0..3).any(|i| edge_of(triangles[p as usize], i) == [u, v])).unwrap_or(NONE)
         };
-        let neighbours_and_flags = parallel::values(parts.len(), |p| {
-            let ((corners, constraints), parent) = (parts[p], parents[p]);
-            let mut flags = 0;
-            let beyond = [0, 1, 2].map(|i| {
+        let mut neighbours = vec![[NONE; 3]; count];
+        neighbours.par_iter_mut().zip(&mut edges).enumerate().for_each(|(p, (beyond, flags))| {
+            let (corners, parent) = (triangles[p], parents[p]);
+            let constraints = std::mem::take(flags);
+            *beyond = [0, 1, 2].map(|i| {
                 let [u, v] = edge_of(corners, i);
                 let Some(old) = self.edge_under([u, v], parent, &on_edges) else {
-                    flags |= if constraints >> i & 1 != 0 { CONSTRAINT << i } else { 0 };
+                    *flags |= if constraints >> i & 1 != 0 { CONSTRAINT << i } else { 0 };
                     return with_edge(parent, [v, u]);
                 };
-                flags |= ((self.edges[parent as usize] >> old) & EDGE_FLAGS) << i;
+                *flags |= ((self.edges[parent as usize] >> old) & EDGE_FLAGS) << i;
                 let n = self.neighbours[parent as usize][old];
                 if n == NONE { NONE } else { with_edge(n, [v, u]) }
             });
-            (beyond, flags)
         });
+        drop(on_edges);
         let of_parent = |values: &[bool]| parents.iter().map(|&t| values[t as usize]).collect();
         let lakes = match self.lakes.is_empty() {
             true => Vec::new(),
@@ -113,9 +122,9 @@ impl Tin {
             heights: self.heights.iter().copied().chain(points.iter().map(|p| p.height)).collect(),
             kinds: self.kinds.iter().copied().chain(points.iter().map(|_| VertexKind::Axis)).collect(),
             source: self.source.iter().copied().chain((first..).take(points.len())).collect(),
-            triangles: parallel::values_each(&parts, |part| part.0),
-            neighbours: neighbours_and_flags.par_iter().map(|(beyond, _)| *beyond).collect(),
-            edges: neighbours_and_flags.par_iter().map(|(_, flags)| *flags).collect(),
+            triangles,
+            neighbours,
+            edges,
             inside: of_parent(&self.inside),
             lakes,
         };

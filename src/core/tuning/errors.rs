@@ -69,31 +69,6 @@ tuned! {
         ///
         /// Refit: shares of tops and pits.
         climb_share_limits: [f64; 2] = [0.2, 0.8],
-        /// That share where there are too few tops to estimate it.
-        ///
-        /// Tried 0.25 and 1: no effect on the share of errors within one standard error of three maps.
-        ///
-        /// Refit: shares of tops and pits.
-        usual_climb_share: f64 = 0.5,
-        /// Least number of places beyond the last contour to estimate this share.
-        ///
-        /// Tried 25 and 100: no effect on the share of errors within one standard error of three maps.
-        ///
-        /// Refit: shares of tops and pits.
-        min_top_places: usize = 50,
-        /// Where no levels can be hidden: standard error half-way between contours one spacing apart, as a share of the
-        /// contour interval.
-        ///
-        /// Tried 0.04 and 0.16: no effect on the share of errors within one standard error of three maps.
-        ///
-        /// Refit: shares, on maps with few levels.
-        usual_error: f64 = 0.08,
-        /// Where no levels can be hidden: power with which the standard error grows with the distance between contours.
-        ///
-        /// Tried 0.35 and 1.4: no effect on the share of errors within one standard error of two maps.
-        ///
-        /// Refit: shares, on maps with few levels.
-        usual_width_power: f64 = 0.7,
         /// Factor on the error where the smooth surface and the reference surface are the same.
         ///
         /// Tried 0.325 and 1.3: the share of errors within one standard error of three maps changes by -2.1 and +0.1
@@ -136,12 +111,6 @@ tuned! {
         ///
         /// Refit: shares, on contours that were cut from a raster.
         fixing_power: f64 = 5.0,
-        /// Least share of the error that remains there.
-        ///
-        /// Tried 0.075 and 0.3: no effect on the share of errors within one standard error of three maps.
-        ///
-        /// Refit: shares, on contours that were cut from a raster.
-        min_left: f64 = 0.15,
         /// Columns and rows on each side over which these crossings are averaged, nodes.
         ///
         /// Tried 1 and 4: the share of errors within one standard error of three maps changes by -0.3 and +0.1 points.

@@ -12,18 +12,6 @@ tuned! {
         ///
         /// Refit: RMSE and time.
         nodes_per_spacing: f64 = 12.0,
-        /// Nodes per mean segment of the contours, at most. What lies between two vertices is unknown.
-        ///
-        /// Tried 1 and 4: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE and time.
-        nodes_per_segment: f64 = 2.0,
-        /// Nodes per spacing, at least, however long the segments are.
-        ///
-        /// Tried 1.5 and 6: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE.
-        min_nodes_per_spacing: f64 = 3.0,
         /// The grid of the height map is the working grid itself where its cells are at most this many times smaller
         /// than half as many nodes would ask for. Otherwise the working grid has every second, third, ... of its rows and columns.
         ///
@@ -31,12 +19,5 @@ tuned! {
         ///
         /// Refit: RMSE and time.
         max_times_finer: f64 = 8.0,
-        /// Largest cell of a height map, in spacings, that is not divided for the working grid. Above it, several
-        /// contours cross the edges between nodes.
-        ///
-        /// Tried 1 and 4: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE and time, on coarse height maps.
-        max_spacings_per_cell: f64 = 2.0,
     }
 }

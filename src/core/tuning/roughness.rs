@@ -14,13 +14,6 @@ tuned! {
         ///
         /// Refit: RMSE.
         chords: [f64; 2] = [0.25, 0.5],
-        /// Least number of chords of each length. With fewer, chords of half the length are used. If these are too few
-        /// too, the exponent is unknown.
-        ///
-        /// Tried 100 and 400: no effect on the RMSE or the shares of two maps.
-        ///
-        /// Refit: RMSE, on small maps.
-        min_chords: usize = 200,
         /// Contours with the first exponent, or a smaller one, are noisy; those with the second, or a larger one, are not;
         /// between them, their noise falls evenly. A spline is the best guess for lines whose exponent is 3/2 (integrated random
         /// walks).

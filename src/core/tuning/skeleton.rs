@@ -24,13 +24,6 @@ tuned! {
         ///
         /// Refit: RMSE.
         hollow_depth: f64 = 0.1,
-        /// Slope of a level stretch of a line without a point above or below, as a share of the way to the edge of the
-        /// band.
-        ///
-        /// Tried 0.005 and 0.02: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE.
-        plateau_spread: f64 = 0.01,
         /// Largest distance from the tip of a bend, along the axis, in widths of the bend. Within it, a line from the
         /// other side of the contour is joined.
         ///

@@ -48,13 +48,6 @@ tuned! {
         /// The least variance of the surface half-way between contours, where a spot height has a standard error, as a share
         /// of the mean. Even slopes are never fully known.
         least_spot_variance: f64 = 0.1,
-        /// Largest weight of a crossing on coarse lattices, unless it is larger on the finest one. What lies between
-        /// their nodes is averaged.
-        ///
-        /// Tried 10 and 40: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE and time.
-        coarse_contour_weight: f64 = 20.0,
         /// Weight of a second difference across a ridge or canyon line, against another one.
         ///
         /// Tried 0.35 and 1.4: the RMSE of four maps changes by +3.75 % and -1.91 %.
@@ -109,24 +102,6 @@ tuned! {
         ///
         /// Refit: RMSE and time.
         convergence: f64 = 1e-3,
-        /// Factor on the tension each time that the surface meets a bound of its band away from contours.
-        ///
-        /// Tried 8 and 32: the RMSE of two maps changes by -0.06 % and +0.11 %.
-        ///
-        /// Refit: RMSE.
-        bound_tension_factor: f32 = 16.0,
-        /// The largest such factor after all rounds.
-        ///
-        /// Tried 500 and 2000: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE.
-        max_bound_tension_factor: f32 = 1000.0,
-        /// How far that factor spreads, nodes.
-        ///
-        /// Tried 5 and 20: the RMSE of two maps changes by 0 % and +0.02 %.
-        ///
-        /// Refit: RMSE.
-        bound_tension_reach: usize = 10,
         /// Share of the reference surface where the smooth surface is level and the reference surface is not.
         ///
         /// Tried 0.15 and 0.6: the RMSE of four maps changes by -0.03 % and +0.56 %.

@@ -18,12 +18,6 @@ tuned! {
         ///
         /// Refit: RMSE.
         tension_factor: f64 = 5.0,
-        /// How far beyond the tensions that are tried the best one may be taken to lie, in steps from one to the next.
-        ///
-        /// Tried 0.25 and 1: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE.
-        max_extrapolation: f64 = 0.5,
         /// Nodes per spacing of a trial. A surface on fewer nodes shows how well a tension suits the ground too, and takes
         /// less time.
         ///
@@ -45,12 +39,6 @@ tuned! {
         ///
         /// Refit: RMSE.
         usual_crease_threshold: f64 = 0.1,
-        /// Limits of that threshold.
-        ///
-        /// Tried each element at half and at twice its value: no effect on the RMSE of two maps.
-        ///
-        /// Refit: RMSE.
-        crease_threshold_limits: [f64; 2] = [0.03, 0.3],
         /// RMSE at hidden contours where the usual threshold is the best one, as a share of the interval between the
         /// levels that are kept.
         ///

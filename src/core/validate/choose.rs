@@ -34,6 +34,10 @@ const FEWEST_LEVELS: usize = 5;
 /// Ratio of an error's root mean square over a band to its size half-way, where a hidden level lies. The error is a
 /// parabola from one level to the next. A closed form: the square root of 8/15.
 const OVER_BAND: f64 = 0.730_296_743;
+/// How far beyond the tensions that are tried the best one may be taken to lie, in steps from one to the next.
+const MAX_EXTRAPOLATION: f64 = 0.5;
+/// Limits of the IRLS threshold across ridge and canyon lines.
+const CREASE_THRESHOLD_LIMITS: [f64; 2] = [0.03, 0.3];
 
 /// The choice of hyper-parameters, and the accuracy that hidden levels show.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -116,7 +120,7 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
         return fallback;
     }
     let logarithms = errors.map(|e| e.max(f64::MIN_POSITIVE).ln());
-    let best = tuning.tension_factor.powf(lowest(logarithms, tuning.max_extrapolation));
+    let best = tuning.tension_factor.powf(lowest(logarithms, MAX_EXTRAPOLATION));
     let nearest = (0..TRIED).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
     let step = extent.interval.step;
     let hidden = Accuracy {
@@ -145,7 +149,7 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
 /// dense enough to show round ridges, and the threshold is high. Where the ground has more detail than the contours,
 /// ridges are sharp, and the threshold is low.
 fn crease_threshold(hidden: &Accuracy, tuning: &TrialTuning) -> f64 {
-    let [least, most] = tuning.crease_threshold_limits;
+    let [least, most] = CREASE_THRESHOLD_LIMITS;
     let ratio = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
     (tuning.usual_crease_threshold / ratio.powi(2)).clamp(least, most)
 }

@@ -24,6 +24,9 @@ const MOST: f64 = 1e6;
 
 /// Offsets from chords of length 1 that are rounding alone.
 const STRAIGHT: f64 = 1e-6;
+/// Least number of chords of each length. With fewer, chords of half the length are used. If these are too few
+/// too, the exponent is unknown.
+const MIN_CHORDS: usize = 200;
 
 /// The Hurst-like exponent of the contours, about 0 to 2. `None` if there are too few chords, or if all are straight.
 pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Option<f64> {
@@ -32,9 +35,9 @@ pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Optio
 }
 
 fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Option<f64> {
-    let RoughnessTuning { chords, min_chords, usual_exponent, .. } = *tuning;
+    let RoughnessTuning { chords, usual_exponent, .. } = *tuning;
     let offsets = |of_chords: f64| {
-        let [near, far] = chords.map(|share| mean_offset(lines, share * of_chords * spacing, min_chords));
+        let [near, far] = chords.map(|share| mean_offset(lines, share * of_chords * spacing, MIN_CHORDS));
         Some([near?, far?])
     };
     let exponent = |[near, far]: [f64; 2]| {

@@ -8,6 +8,7 @@ use rstar::RTree;
 use super::builder::TrialParams;
 use crate::base::{Grid, parallel};
 use crate::contour::{Contour, ContourMap, Interval, clip};
+use crate::geometry::tolerance;
 use crate::skeleton::BreakLine;
 use crate::spline::{HyperParameters, Wanted, WorkingGrid, slopes, spline, working_grid};
 use crate::subdivision::{Subdivision, subdivide};
@@ -133,16 +134,35 @@ pub fn parts(extent: &MapExtent<'_>, params: &TrialParams<'_>, cell: f64) -> Vec
 /// The part of the map in a rectangle.
 fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     let hi = lo + size;
-    let touches = |c: &&Contour| {
-        let (a, b) = c.points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
-        a.cmple(hi).all() && b.cmpge(lo).all()
-    };
-    let contours = map.contours.iter().filter(touches).cloned().collect();
-    let (spots, mended) = (map.spots.clone(), map.mended.clone());
-    let map = ContourMap { contours, spots, mended, ..ContourMap::default() };
     let area = geo::Rect::new((lo.x, lo.y), (hi.x, hi.y)).to_polygon().into();
-    let cut = clip(map, &area);
+    let margin = 2.0 * tolerance(&area);
+    let near = parallel::flat_map_each(&map.contours, |contour| stretches(contour, lo - margin, hi + margin));
+    let (spots, mended) = (map.spots.clone(), map.mended.clone());
+    let cut = clip(ContourMap { contours: near, spots, mended, ..ContourMap::default() }, &area);
     (cut.map, Frame::PolygonInHull(cut.area))
+}
+
+/// The stretches of a contour whose segments come near a rectangle. A ring that comes near it as a whole stays a ring.
+fn stretches(contour: &Contour, lo: DVec2, hi: DVec2) -> Vec<Contour> {
+    let points = &contour.points;
+    let count = points.len().saturating_sub(1);
+    let is_near = |k: usize| {
+        let (a, b) = (points[k], points[k + 1]);
+        a.min(b).cmple(hi).all() && a.max(b).cmpge(lo).all()
+    };
+    let first_far = (0..count).find(|&k| !is_near(k));
+    let Some(first_far) = first_far else { return vec![contour.clone()] };
+    let start = if contour.is_closed() { first_far } else { 0 };
+    let mut found: Vec<Contour> = Vec::new();
+    let mut last = None;
+    for (n, k) in (start..start + count).map(|k| k % count).enumerate().filter(|&(_, k)| is_near(k)) {
+        match found.last_mut().filter(|_| last == n.checked_sub(1)) {
+            Some(stretch) => stretch.points.push(points[k + 1]),
+            None => found.push(Contour { points: vec![points[k], points[k + 1]], ..contour.clone() }),
+        }
+        last = Some(n);
+    }
+    found
 }
 
 /// A part of a map with some levels hidden. `None` if the kept levels give no surface. `interval` is that of the whole

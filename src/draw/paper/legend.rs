@@ -40,7 +40,7 @@ pub(super) struct Content<'a> {
     pub plan: &'a Plan,
     pub chosen: &'a Chosen,
     /// Lowest and highest height.
-    pub range: Option<(f64, f64)>,
+    pub tint: Option<&'a Tint>,
     pub shown: &'a Shown<'a>,
     /// What the contours are, and the coordinate reference system.
     pub note: [Option<String>; 2],
@@ -87,7 +87,7 @@ pub(super) fn shapes(content: &Content<'_>, fonts: &Fonts) -> Vec<Shape> {
 }
 
 fn blocks(content: &Content<'_>, fonts: &Fonts) -> Vec<Block> {
-    let Content { plan, chosen, range, shown, .. } = content;
+    let Content { plan, chosen, tint, shown, .. } = content;
     let units = shown.preview.units;
     let mut blocks = vec![scale_block(content, fonts)];
     let keys = keys(plan, chosen, units);
@@ -117,7 +117,7 @@ fn blocks(content: &Content<'_>, fonts: &Fonts) -> Vec<Block> {
         }
         blocks.push((width, shapes));
     }
-    blocks.extend(range.filter(|_| present.is_none()).map(|range| ramp(range, content)));
+    blocks.extend(tint.filter(|_| present.is_none()).map(|tint| ramp(tint, content)));
     blocks
 }
 
@@ -167,16 +167,16 @@ fn arrow() -> Vec<Shape> {
 }
 
 /// The tint with round heights below it.
-fn ramp((low, high): (f64, f64), content: &Content<'_>) -> Block {
+fn ramp(tint: &Tint, content: &Content<'_>) -> Block {
     let unit = content.shown.preview.units.heights;
-    let [low, high] = [low, high].map(|z| unit.about(z));
-    let tint = Tint::new();
+    let (least, most) = tint.range;
+    let [low, high] = [least, most].map(|z| unit.about(z));
     let [width, height] = RAMP;
     let mut shapes = vec![text(&format!("Elevation, {}", unit.symbol()), DVec2::new(0.0, TEXT), TEXT, Align::Left)];
     let top = ROW;
     for step in 0..STEPS {
         let [from, to] = [step, step + 1].map(|step| width * step as f64 / STEPS as f64);
-        let color = tint.at((step as f64 + 0.5) / STEPS as f64);
+        let color = tint.of(least + (step as f64 + 0.5) / STEPS as f64 * (most - least));
         // Neighbours overlap, so that no light line shows between them.
         let to = (to + 0.1).min(width);
         shapes.push(area(DVec2::new(from, top), DVec2::new(to, top + height), color));

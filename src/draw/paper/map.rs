@@ -58,8 +58,8 @@ pub(crate) fn sheet(shown: &Shown<'_>, page: &Page, fonts: &Fonts) -> Result<She
     let fineness = FINENESS.0.min((FINENESS.1 / inside.element_product()).sqrt());
     let fine = cells(1.0 / fineness);
     let dem = (shown.heights)(&fine);
-    let range = render::range(&dem.values);
-    let mut relief = render::relief(&dem, range)?;
+    let tint = render::tint(&dem, input.levels);
+    let mut relief = render::relief(&dem, tint.as_ref())?;
     if let Some(areas) = input.patches {
         patches::draw(&mut relief, &fine, areas);
         render::blank(&mut relief, &dem, input.outline);
@@ -125,7 +125,7 @@ pub(crate) fn sheet(shown: &Shown<'_>, page: &Page, fonts: &Fonts) -> Result<She
         placed: &placed,
         plan: &plan,
         chosen: &chosen,
-        range,
+        tint: tint.as_ref(),
         shown,
         note: render::notes(input, &plan),
     };

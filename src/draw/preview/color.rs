@@ -1,6 +1,7 @@
 //! Colours: the hypsometric tint, its relief shading, and the inks of the lines.
 
 use glam::DVec3;
+use tokosen_core::cartography::TINT;
 
 /// A colour as sRGB bytes.
 pub(crate) type Rgb = [u8; 3];
@@ -21,18 +22,6 @@ pub(crate) const CANYON: Rgb = [0, 100, 200];
 /// The border of a part of the map.
 pub(crate) const BORDER: Rgb = [176, 24, 40];
 
-/// The tint from the lowest to the highest ground: the higher the lighter and warmer, as mountains are seen from above
-/// through the air. Evenly spaced.
-const STOPS: [Rgb; 7] = [
-    [158, 192, 158],
-    [182, 206, 162],
-    [208, 219, 172],
-    [229, 225, 184],
-    [237, 224, 194],
-    [244, 232, 214],
-    [252, 249, 243],
-];
-
 /// Shadows are cool and highlights warm, which keeps the tint readable in both.
 const SHADOW: [f64; 3] = [56.0, 62.0, 92.0];
 /// Share of the shadow where no light falls. Deeper shadows would hide the lines.
@@ -40,13 +29,19 @@ const DEEPEST: f64 = 0.5;
 const HIGHLIGHT: [f64; 3] = [255.0, 253.0, 240.0];
 
 /// The tint as a table, interpolated in Oklab so that equal steps of height look equally large.
+#[derive(Debug, Clone)]
 pub(crate) struct Tint {
     table: Vec<Rgb>,
+    /// The lowest and the highest height, metres.
+    pub range: (f64, f64),
+    /// The levels between bands that have one colour each, metres, ascending. Without levels, the tint is smooth.
+    levels: Vec<f64>,
 }
 
 impl Tint {
-    pub fn new() -> Self {
-        let stops = STOPS.map(to_oklab);
+    pub fn over(range: (f64, f64), levels: &[f64]) -> Self {
+        let levels = levels.iter().copied().filter(|level| range.0 < *level && *level < range.1).collect();
+        let stops = TINT.map(to_oklab);
         let size = 512;
         let table = (0..size)
             .map(|i| {
@@ -55,7 +50,21 @@ impl Tint {
                 from_oklab(stops[first].lerp(stops[first + 1], at - first as f64))
             })
             .collect();
-        Self { table }
+        Self { table, range, levels }
+    }
+
+    /// The colour of a height, metres: that half-way between the levels beside it, if there are bands.
+    pub fn of(&self, height: f64) -> Rgb {
+        let (low, high) = self.range;
+        let band = self.levels.partition_point(|level| *level <= height);
+        let shown = match self.levels.is_empty() {
+            true => height,
+            false => {
+                let below = band.checked_sub(1).map_or(low, |below| self.levels[below]);
+                below.midpoint(self.levels.get(band).copied().unwrap_or(high))
+            }
+        };
+        self.at(if high > low { (shown - low) / (high - low) } else { 0.0 })
     }
 
     /// The colour at a share of the height range, 0 to 1.
@@ -129,9 +138,14 @@ mod tests {
 
     #[test]
     fn the_tint_passes_its_stops_and_grows_lighter() {
-        let tint = Tint::new();
-        assert_eq!(tint.at(0.0), STOPS[0]);
-        assert_eq!(tint.at(2.0), STOPS[6]);
+        let tint = Tint::over((100.0, 200.0), &[]);
+        assert_eq!((tint.at(0.0), tint.of(100.0)), (TINT[0], TINT[0]));
+        assert_eq!((tint.at(2.0), tint.of(200.0)), (TINT[6], TINT[6]));
+        let bands = Tint::over((100.0, 200.0), &[50.0, 150.0, 180.0]);
+        assert_eq!(
+            [100.0, 149.0, 150.0, 179.0, 190.0].map(|z| bands.of(z)),
+            [125., 125., 165., 165., 190.].map(|z| tint.of(z))
+        );
         let lightness: Vec<f64> = (0..=100).map(|i| to_oklab(tint.at(f64::from(i) / 100.0)).x).collect();
         assert!(lightness.windows(2).all(|w| w[1] > w[0] - 0.004), "{lightness:?}");
     }
@@ -177,7 +191,7 @@ mod tests {
     fn contours_of_the_input_stand_out_on_the_deepest_shadow() {
         // Contrast ratio of WCAG 2: at least 3 for figures and lines that have to be seen.
         let luminance = |c: Rgb| linear(c).iter().zip([0.2126, 0.7152, 0.0722]).map(|(v, w)| v * w).sum::<f64>() + 0.05;
-        for stop in STOPS {
+        for stop in TINT {
             let ratio = luminance(shaded(stop, 0.15)) / luminance(INPUT);
             assert!(ratio > 3.0, "{stop:?} {ratio}");
             assert!(luminance(shaded(stop, 1.0)) / luminance(INTERPOLATED) > 2.0, "{stop:?}");

@@ -42,8 +42,8 @@ pub(super) enum Block {
     Scale { bar: Option<scale::Bar>, arrow: Option<Arrow>, remark: Option<String> },
     /// Samples of lines; one without a style is a remark.
     Keys { keys: Vec<(Option<Style>, String)>, rows: usize },
-    /// The tint and the lowest and highest height.
-    Ramp { low: f64, high: f64, units: Units },
+    /// The tint with its heights.
+    Ramp { tint: Tint, units: Units },
 }
 
 /// An arrow to grid north: up.
@@ -55,18 +55,18 @@ pub(super) struct Content<'a> {
     pub plan: &'a Plan,
     pub break_lines: &'a Chosen,
     pub patches: Option<&'a Patches>,
-    /// Lowest and highest height.
-    pub range: Option<(f64, f64)>,
+    /// The tint of the heights.
+    pub tint: Option<&'a Tint>,
     pub units: Units,
 }
 
 /// The blocks of the legend, given the room for them.
 pub(super) fn blocks(content: Content<'_>, room: f32, setter: &Typesetter) -> Vec<Block> {
-    let Content { scale, plan, break_lines, patches, range, units } = content;
+    let Content { scale, plan, break_lines, patches, tint, units } = content;
     let mut blocks = vec![scale];
     let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0, dashes: None }), name);
     let swatches = patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
-    let tint = if swatches.is_some() { None } else { range };
+    let tint = tint.filter(|_| swatches.is_none());
     let keys = [(keys(plan, break_lines, units), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
     for (keys, rows) in keys.into_iter().filter(|(keys, _)| !keys.is_empty()) {
         let wide = Block::Keys { keys, rows };
@@ -77,7 +77,7 @@ pub(super) fn blocks(content: Content<'_>, room: f32, setter: &Typesetter) -> Ve
             fits => fits,
         });
     }
-    blocks.extend(tint.map(|(low, high)| Block::Ramp { low, high, units }));
+    blocks.extend(tint.map(|tint| Block::Ramp { tint: tint.clone(), units }));
     blocks
 }
 
@@ -215,10 +215,7 @@ impl Block {
                     left += column_width(column, setter) + GAP.0;
                 }
             }
-            Self::Ramp { low, high, units } => {
-                let heights = [*low, *high].map(|z| units.heights.about(z));
-                draw_ramp(pixmap, setter, (heights, units.heights.symbol()), (x, y));
-            }
+            Self::Ramp { tint, units } => draw_ramp(pixmap, setter, (tint, *units), (x, y)),
         }
     }
 }
@@ -264,16 +261,17 @@ fn draw_bar(pixmap: &mut Pixmap, setter: &Typesetter, bar: &scale::Bar, (x, base
 }
 
 /// The tint from the lowest to the highest ground with round heights below it.
-fn draw_ramp(pixmap: &mut Pixmap, setter: &Typesetter, ([low, high], unit): ([f64; 2], &str), (x, y): (f32, f32)) {
+fn draw_ramp(pixmap: &mut Pixmap, setter: &Typesetter, (tint, units): (&Tint, Units), (x, y): (f32, f32)) {
+    let (least, most) = tint.range;
+    let [low, high] = [least, most].map(|z| units.heights.about(z));
     let left = x;
-    setter.draw(pixmap, &format!("Elevation, {unit}"), (left, y + 15.0), TEXT, INK, Align::Left);
+    setter.draw(pixmap, &format!("Elevation, {}", units.heights.symbol()), (left, y + 15.0), TEXT, INK, Align::Left);
     let top = y + ROW + 1.0;
-    let tint = Tint::new();
     let columns = RAMP.0 as usize;
     fill(pixmap, (left - 1.0, top - 1.0, RAMP.0 + 2.0, RAMP.1 + 2.0), INK);
     for column in 0..columns {
         let share = column as f64 / (columns - 1) as f64;
-        fill(pixmap, (left + column as f32, top, 1.0, RAMP.1), tint.at(share));
+        fill(pixmap, (left + column as f32, top, 1.0, RAMP.1), tint.of(least + share * (most - least)));
     }
     for height in scale::ticks(low, high) {
         let share = if high > low { (height - low) / (high - low) } else { 0.5 };

@@ -105,7 +105,7 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     }
 
     let light = Brightness::new(mesh, exaggeration / metres);
-    let tint = Tint::new();
+    let tint = Tint::over(ground.range, &[]);
     let pixels = zbuffer::draw(&Scene {
         size: view.size,
         triangles: mesh.triangles.len() as u32,
@@ -135,9 +135,14 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
         arrow: None,
         remark: mesh.crs.as_ref().and_then(legend::crs_label),
     };
-    let range = Some(ground.range);
-    let content =
-        legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: None, range, units: model.units };
+    let content = legend::Content {
+        scale,
+        plan: &plan,
+        break_lines: &break_lines,
+        patches: None,
+        tint: Some(&tint),
+        units: model.units,
+    };
     let mut blocks = legend::blocks(content, room as f32, &setter);
     let remark = Some(format!("Seen from south-south-west, heights x {exaggeration}"));
     blocks.insert(1, legend::Block::Scale { bar: None, arrow: None, remark });

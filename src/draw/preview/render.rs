@@ -43,8 +43,8 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
             MAX_ROWS[0], grid.cols, grid.rows
         )));
     }
-    let range = range(&input.dem.values);
-    let mut map = relief(input.dem, range)?;
+    let tint = tint(input.dem, input.levels);
+    let mut map = relief(input.dem, tint.as_ref())?;
     if let Some(patches) = input.patches {
         patches::draw(&mut map, &grid, patches);
         blank(&mut map, input.dem, input.outline);
@@ -70,7 +70,7 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
         plan: &plan,
         break_lines: &break_lines,
         patches: input.patches,
-        range,
+        tint: tint.as_ref(),
         units: input.units,
     };
     let blocks = legend::blocks(content, room as f32, &setter);
@@ -161,27 +161,25 @@ pub(crate) fn coordinates(input: &Preview<'_>, size: DVec2, pixel: f64, corner: 
     ticks(size, notation, |p| Some(on_plane(p)))
 }
 
-/// The lowest and the highest height.
-pub(crate) fn range(values: &[f32]) -> Option<(f64, f64)> {
-    let finite = values.iter().copied().filter(|v| v.is_finite()).map(f64::from);
-    finite.fold(None, |range, v| Some(range.map_or((v, v), |(low, high): (f64, f64)| (low.min(v), high.max(v)))))
+/// The tint from the lowest to the highest height, with bands between levels if there are some. `None` if there is no height.
+pub(crate) fn tint(dem: &Dem, levels: &[f64]) -> Option<Tint> {
+    let finite = dem.values.iter().copied().filter(|v| v.is_finite()).map(f64::from);
+    let range =
+        finite.fold(None, |range, v| Some(range.map_or((v, v), |(low, high): (f64, f64)| (low.min(v), high.max(v)))));
+    range.map(|range| Tint::over(range, levels))
 }
 
 /// The tinted and shaded surface.
-pub(crate) fn relief(dem: &Dem, range: Option<(f64, f64)>) -> Result<Pixmap> {
+pub(crate) fn relief(dem: &Dem, tint: Option<&Tint>) -> Result<Pixmap> {
     let mut map = pixmap(dem.grid.cols, dem.grid.rows)?;
     let metres_per_unit = dem.metres_per_unit().unwrap_or(DVec2::ONE);
     let exaggeration = exaggeration(&steepness(dem, metres_per_unit));
     let params = ShadeParams { exaggeration, metres_per_unit, ..ShadeParams::soft() };
     let (light, level) = (hillshade(dem, &params), params.level());
-    let (low, high) = range.unwrap_or_default();
-    let span = if high > low { high - low } else { 1.0 };
-    let tint = Tint::new();
     map.data_mut().par_chunks_exact_mut(4).zip(&dem.values).zip(light).for_each(|((pixel, &height), light)| {
-        let color = if height.is_finite() {
-            color::shaded(tint.at((f64::from(height) - low) / span), f64::from(light) / level)
-        } else {
-            PAPER
+        let color = match tint.filter(|_| height.is_finite()) {
+            Some(tint) => color::shaded(tint.of(f64::from(height)), f64::from(light) / level),
+            None => PAPER,
         };
         pixel[..3].copy_from_slice(&color);
         pixel[3] = 255;

@@ -23,6 +23,8 @@ pub struct Preview<'a> {
     pub frame: &'a [[DVec2; 2]],
     /// Areas by class, below the lines. The legend then names the classes in the place of the elevations.
     pub patches: Option<&'a Patches>,
+    /// Levels, metres, ascending. The ground between two of them has one colour. Without levels, the tint is smooth.
+    pub levels: &'a [f64],
     /// What the picture is about.
     pub subject: Subject,
     /// The conversion to the coordinates of the input. If these are degrees, the margin has degrees.
@@ -44,6 +46,7 @@ impl<'a> Preview<'a> {
             break_lines: &[],
             frame: &[],
             patches: None,
+            levels: &[],
             subject: Subject::Ground,
             reprojection: None,
             units: Units::METRES,

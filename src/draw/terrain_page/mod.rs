@@ -10,10 +10,11 @@
 mod packed;
 
 use glam::{DVec2, DVec3};
-use maud::{DOCTYPE, PreEscaped, html};
+use maud::html;
 use serde_json::{Map, Value, json};
 
-use packed::Packed;
+use self::packed::Packed;
+use crate::page::Page;
 use tokosen_core::base::Units;
 use tokosen_core::base::error::Finding;
 use tokosen_core::contour::{ContourLine, Source};
@@ -85,32 +86,17 @@ pub struct TerrainPage<'a> {
 
 /// The page as HTML.
 pub fn terrain_page(page: &TerrainPage<'_>) -> String {
-    // Nothing in it ends the element that holds it.
-    let data = data(page).to_string().replace('<', "\\u003c");
-    let script = |text: &str| html! { script { (PreEscaped(text)) } };
-    html! {
-        (DOCTYPE)
-        html {
-            head {
-                meta charset="utf-8";
-                meta name="generator" content="tokosen";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (page.title) }
-                link rel="icon" href="data:,";
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                canvas id="terrain" tabindex="0" role="application" {}
-                noscript { "This page needs JavaScript. / このページにはJavaScriptが必要です。" }
-                script type="text/plain" id="licences" { (PreEscaped(LICENCES)) }
-                script type="application/json" id="data" { (PreEscaped(data)) }
-                (script(LIBRARY))
-                (script(&format!("(() => {{\n\"use strict\";\n{}}})();", SCRIPTS.concat())))
-            }
-        }
+    Page {
+        title: page.title,
+        policy: POLICY,
+        styles: &[STYLE],
+        body: html! { canvas id="terrain" tabindex="0" role="application" {} },
+        licences: LICENCES,
+        data: &data(page),
+        libraries: &[LIBRARY],
+        scripts: &SCRIPTS,
     }
-    .into_string()
+    .html()
 }
 
 /// The data of the page.

@@ -3,7 +3,7 @@
 async function start() {
   document.documentElement.lang = LANGUAGE;
   if (location.protocol === "file:") return showFaults([WORDS.asFile], document.body);
-  const { sets: wanted, title } = JSON.parse(document.getElementById("sets").textContent);
+  const { sets: wanted, title } = JSON.parse(document.getElementById("data").textContent);
   const opened = await Promise.allSettled(wanted.map(openSet));
   const sets = opened.filter((one) => one.status === "fulfilled").map((one) => one.value);
   const faults = opened.filter((one) => one.status === "rejected").map((one) => one.reason.message);

@@ -1,7 +1,7 @@
 //! How QGIS draws layers when it opens a GeoPackage: the table `layer_styles`.
 //!
 //! Index contours are thicker and have labels; contours of the input are darker than new ones; findings have a colour for each
-//! severity. A style of the user for a layer of that name is kept.
+//! severity; bands have the tint of pictures. A style of the user for a layer of that name is kept.
 
 use std::fmt::Write;
 
@@ -9,6 +9,7 @@ use rusqlite::{Connection, OptionalExtension, params};
 
 use super::target::LAST_CHANGE;
 use crate::layer::{Geometry, Layer};
+use tokosen_core::cartography::TINT;
 
 /// The table as QGIS makes it.
 const TABLE: &str = "
@@ -34,6 +35,9 @@ const INPUT: &str = "84,48,22,255";
 const INTERPOLATED: &str = "186,90,12,255";
 const SEVERITIES: [(&str, &str); 3] =
     [("error", "215,25,28,255"), ("warning", "253,141,60,255"), ("note", "44,123,182,255")];
+
+/// The colour of water.
+const WATER: &str = "166,206,227,255";
 
 /// Adds the styles of the layers that have one.
 pub(super) fn add(db: &Connection, layers: &[Layer<'_>]) -> rusqlite::Result<()> {
@@ -86,6 +90,7 @@ fn style(layer: &Layer<'_>) -> Option<String> {
     match layer.geometry {
         Geometry::Lines if has("elev") && has("is_index") && has("source") => Some(contours(has("kind"))),
         Geometry::Points if has("severity") && has("message") => Some(findings()),
+        Geometry::Areas if has("elev_mid") && has("kind") => Some(bands()),
         _ => None,
     }
 }
@@ -150,6 +155,30 @@ fn contours(has_kinds: bool) -> String {
          <rendering drawLabels=\"1\" obstacle=\"1\"/></settings></rule></rules></labeling>\n</qgis>\n",
     );
     text
+}
+
+/// The tint by height; water is blue.
+fn bands() -> String {
+    let [height, low, high] =
+        ["", "minimum", "maximum"].map(|of| format!("{of}(coalesce(elev_mid, elev_from, elev_to))"));
+    let last = (TINT.len() - 1) as f64;
+    let stop = |(k, [r, g, b]): (usize, &[u8; 3])| format!("{}, '{r},{g},{b}'", k as f64 / last);
+    let stops = TINT.iter().enumerate().map(stop).collect::<Vec<_>>().join(", ");
+    let tint = format!(
+        "if(kind = 'ground', ramp_color(create_ramp(map({stops})), if({high} &gt; {low}, ({height} - {low}) / ({high} - {low}), 0)), '{WATER}')"
+    );
+    let properties = [("color", WATER), ("style", "solid"), ("outline_color", INPUT), ("outline_width", "0.1")];
+    let fill = format!(
+        "<data_defined_properties><Option type=\"Map\"><Option type=\"QString\" name=\"name\" value=\"\"/>\
+         <Option type=\"Map\" name=\"properties\"><Option type=\"Map\" name=\"fillColor\"><Option type=\"bool\" name=\"active\" value=\"true\"/>\
+         <Option type=\"QString\" name=\"expression\" value=\"{tint}\"/><Option type=\"int\" name=\"type\" value=\"3\"/></Option></Option>\
+         <Option type=\"QString\" name=\"type\" value=\"collection\"/></Option></data_defined_properties></layer>"
+    );
+    format!(
+        "{HEAD}<qgis version=\"3.22\" styleCategories=\"Symbology\">\n<renderer-v2 type=\"singleSymbol\" symbollevels=\"0\" forceraster=\"0\" \
+         enableorderby=\"0\">\n<symbols>\n{}</symbols>\n</renderer-v2>\n</qgis>\n",
+        symbol("fill", 0, "SimpleFill", &properties).replace("</layer>", &fill)
+    )
 }
 
 fn findings() -> String {

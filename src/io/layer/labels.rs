@@ -1,5 +1,7 @@
 //! The layer of labels on contours.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
@@ -26,7 +28,7 @@ pub fn labels_layer(contours: &str, alone: bool) -> String {
 
 /// Labels as points in the middle of their text, with the attributes
 ///
-/// * `text`: the elevation as it is written, in the unit of the output,
+/// * `text`: the elevation as it is written, in the unit of the output, or the depth if the output has depths,
 /// * `elev`: the elevation,
 /// * `angle`: the direction of the text in the output's coordinates, degrees counter-clockwise from the x axis,
 /// * `height`: the height of the text, units of the output's coordinates.
@@ -38,7 +40,7 @@ pub fn of_labels<'a>(name: &'a str, labels: &'a [Label], back: &FromWorking) -> 
         Row {
             shape: Shape::Point(Some(label.position)),
             cells: vec![
-                Cell::Text(label.text.as_str().into()),
+                Cell::Text(text(label, back)),
                 Cell::Real(label.elevation),
                 Cell::Real(angle),
                 Cell::Real(label.size.y * scale),
@@ -46,6 +48,17 @@ pub fn of_labels<'a>(name: &'a str, labels: &'a [Label], back: &FromWorking) -> 
         }
     });
     Layer { name, geometry: Geometry::Points, columns: COLUMNS, rows: rows.collect() }
+}
+
+/// The text: of a depth, without the sign of a height below 0.
+fn text<'a>(label: &'a Label, back: &FromWorking) -> Cow<'a, str> {
+    let height = label.text.as_str();
+    match (back.has_depths(), height.strip_prefix('-')) {
+        (false, _) => height.into(),
+        (true, Some(depth)) => depth.into(),
+        (true, None) if label.elevation > 0.0 => format!("-{height}").into(),
+        (true, None) => height.into(),
+    }
 }
 
 /// The angle of a text in the output's coordinates, and units of these per unit of the plane along it.

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::depths::{depth, with_depths};
 use super::features::{Cell, Column, Kind, Layer, Row, Shape, rounded_error};
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::parallel;
@@ -56,10 +57,11 @@ impl ReprojectedShapes {
     }
 
     /// The layers with the reprojected shapes instead of their own, and with the heights of attributes in the unit of
-    /// the output.
+    /// the output. Attributes of depths are added if the output has them.
     pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
         let back = &self.back;
-        let row = |columns: &[Column], (row, reprojected): (&'a Row<'a>, &'a mut ReprojectedShape)| {
+        let row = |(columns, depths): (&[Column], &[usize]),
+                   (row, reprojected): (&'a Row<'a>, &'a mut ReprojectedShape)| {
             let shape = match reprojected {
                 ReprojectedShape::Point(point) => Shape::Point(*point),
                 ReprojectedShape::Contour(points, z) => Shape::Contour(points, *z),
@@ -68,14 +70,16 @@ impl ReprojectedShapes {
             };
             // A cell without a column is refused when the layer is checked.
             let kind = |k: usize| columns.get(k).map(|column| column.kind);
-            let cells = row.cells.iter().enumerate().map(|(k, cell)| in_unit(cell, kind(k), back)).collect();
+            let mut cells: Vec<Cell<'a>> =
+                row.cells.iter().enumerate().map(|(k, cell)| in_unit(cell, kind(k), back)).collect();
+            cells.extend(depths.iter().map(|&k| depth(cells.get(k).unwrap_or(&Cell::Null))).collect::<Vec<_>>());
             Row { shape, cells }
         };
-        let layer = |(layer, reprojected): (&'a Layer<'a>, &'a mut Vec<ReprojectedShape>)| Layer {
-            name: layer.name,
-            geometry: layer.geometry,
-            columns: layer.columns,
-            rows: layer.rows.iter().zip(reprojected).map(|pair| row(layer.columns, pair)).collect(),
+        let layer = |(layer, reprojected): (&'a Layer<'a>, &'a mut Vec<ReprojectedShape>)| {
+            let own = layer.columns;
+            let (columns, depths) = if back.has_depths() { with_depths(own) } else { (own, Vec::new()) };
+            let rows = layer.rows.iter().zip(reprojected).map(|pair| row((own, &depths), pair)).collect();
+            Layer { name: layer.name, geometry: layer.geometry, columns, rows }
         };
         layers.iter().zip(&mut self.shapes).map(layer).collect()
     }

@@ -124,6 +124,13 @@ fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<
     Ok((if matches!(planar, Ok(Some(2))) { 1 } else { bands }, usize::from(bits / 8)))
 }
 
+/// The items of GDAL's own tag that say something about the whole file: name and text.
+pub(super) fn metadata(path: &Path) -> Result<Vec<(String, String)>> {
+    let text = text_tag(path, &mut like::open(path)?, GDAL_METADATA)?.unwrap_or_default();
+    let items = elements(&text).unwrap_or_default().into_iter().filter(|item| item.attribute("sample").is_none());
+    Ok(items.filter_map(|item| Some((item.attribute("name")?.to_owned(), item.text.trim().to_owned()))).collect())
+}
+
 /// Whether the second band is described as the standard errors of the first.
 fn second_is_error(path: &Path, tiff: &mut Tiff) -> Result<bool> {
     let Some(text) = text_tag(path, tiff, GDAL_METADATA)? else { return Ok(false) };

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::DVec2;
 
+use super::geotiff_read;
 use super::read::{extension, read_dem};
 use crate::ordinary::read_small;
 use tokosen_core::base::error::{Error, Result};
@@ -46,7 +47,7 @@ pub fn read_shift_grid(path: &Path) -> Result<ShiftGrid> {
 }
 
 fn grid(south_west: DVec2, step: DVec2, cols: usize, values: Vec<f32>) -> ShiftGrid {
-    ShiftGrid { file: Path::new("").into(), south_west, step, cols, values }
+    ShiftGrid { file: Path::new("").into(), south_west, step, cols, values, systems: [None; 2] }
 }
 
 /// Big-endian: latitude and longitude of the south-west node, their steps, rows, columns, then the values from there.
@@ -67,7 +68,9 @@ fn gtx(bytes: &[u8]) -> std::result::Result<ShiftGrid, String> {
     Ok(grid(DVec2::new(west, south), DVec2::new(dx, dy), cols, values.chunks_exact(4).map(value).collect()))
 }
 
-/// Values at the centres of cells.
+/// Values at the centres of cells. Those of PROJ-data name the height systems.
+///
+/// Source: PROJ documentation, Geodetic TIFF grids (GTG).
 fn geotiff(path: &Path) -> Result<ShiftGrid> {
     let dem = read_dem(path)?.value.dem;
     if !dem.crs.as_ref().is_some_and(Crs::is_geographic) {
@@ -76,7 +79,17 @@ fn geotiff(path: &Path) -> Result<ShiftGrid> {
     let rows = dem.values.chunks(dem.grid.cols).rev();
     let found =
         grid(dem.grid.center(0, dem.grid.rows - 1), dem.grid.cell, dem.grid.cols, rows.flatten().copied().collect());
-    Ok(ShiftGrid { file: path.to_owned(), ..found })
+    let items = geotiff_read::metadata(path)?;
+    let item = |name: &str| items.iter().find(|(own, _)| own == name).map(|(_, text)| text.as_str());
+    let code = |name: &str| item(name).and_then(|text| text.parse().ok());
+    let target = code("target_crs_epsg_code");
+    // Heights of the geoid are added to heights above it, those of the target; the sum is a height above the ellipsoid.
+    let systems = match item("TYPE") {
+        Some("VERTICAL_OFFSET_GEOGRAPHIC_TO_VERTICAL") => [target, None],
+        Some("VERTICAL_OFFSET_VERTICAL_TO_VERTICAL") => [code("source_crs_epsg_code"), target],
+        _ => [None; 2],
+    };
+    Ok(ShiftGrid { file: path.to_owned(), systems, ..found })
 }
 
 /// The format of the International Service for the Geoid: a head of names and values, then rows from north to south.

@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 use tokosen::base::error::{Error, Finding};
 use tokosen::crs::Reprojection;
 use tokosen::dem::derive::{
-    Accumulated, FloodFrom, FlowDirections, StreamFlood, catchment_parts, catchments, flood_along_streams,
-    flood_to_level, flow_accumulation, flow_directions, flow_lines,
+    Accumulated, FloodFrom, FlowDirections, StreamFlood, catchment_parts, catchments, check_depths,
+    flood_along_streams, flood_to_level, flow_accumulation, flow_directions, flow_lines,
 };
 use tokosen::io::layer::{Layer as OutLayer, of_catchments, of_flood, of_flow_lines, of_outlets};
 use tokosen::io::raster::Quantity;
@@ -15,6 +15,7 @@ use tokosen::terrain::{Outlets, Place, flood_source};
 
 use crate::derived::Derived;
 use crate::error::parameter;
+use crate::input::failed;
 use crate::layer::Layer;
 use crate::options::one_of;
 use crate::raster::Raster;
@@ -35,6 +36,7 @@ pub struct Water {
     flood_level: Option<f64>,
     flood_rise: Option<f64>,
     flood_from: Vec<[f64; 2]>,
+    flood_bands: Vec<f64>,
 }
 
 /// What is made.
@@ -76,6 +78,7 @@ pub fn derive(
         "m2" => false,
         other => return Err(one_of(py, "accumulation_unit", other, "cells or m2")),
     };
+    failed(py, check_depths(&water.flood_bands))?;
     let is_flood = matches!(product, Product::Depths | Product::FloodAreas);
     if is_flood && water.flood_level.is_none() == water.flood_rise.is_none() {
         let message = "a flood needs flood_level: a level, or \"+H\" for a height above the streams";
@@ -153,7 +156,7 @@ fn make(
                 }
             };
             match product {
-                Product::FloodAreas => layer(&of_flood(&flood.parts(&scale))),
+                Product::FloodAreas => layer(&of_flood(&flood.parts(&scale, &water.flood_bands))),
                 _ => Ok(Made::Raster(flood.depths, Quantity::Depth)),
             }
         }

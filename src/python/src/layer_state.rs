@@ -1,7 +1,5 @@
 //! Layers for pickle: what they consist of, and layers made of that again.
 
-use std::sync::Mutex;
-
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use glam::{DVec2, DVec3};
@@ -28,24 +26,6 @@ type State<'py> = (
     Bound<'py, PyArray1<f64>>,
     Vec<Bound<'py, PyArray1<i32>>>,
 );
-
-/// The columns that were restored. There are few different ones, and they stay until the program ends.
-static COLUMNS: Mutex<Vec<&'static [Column]>> = Mutex::new(Vec::new());
-
-/// The columns with these names and kinds.
-fn columns(wanted: &[(String, Kind)]) -> &'static [Column] {
-    let mut known = COLUMNS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let is_it = |own: &&&'static [Column]| {
-        own.len() == wanted.len() && own.iter().zip(wanted).all(|(a, (name, kind))| a.name == name && a.kind == *kind)
-    };
-    if let Some(found) = known.iter().find(is_it) {
-        return found;
-    }
-    let column = |(name, kind): &(String, Kind)| Column { name: Box::leak(name.clone().into_boxed_str()), kind: *kind };
-    let made: &'static [Column] = Box::leak(wanted.iter().map(column).collect());
-    known.push(made);
-    made
-}
 
 fn name_of(kind: Kind) -> String {
     match kind {
@@ -106,9 +86,9 @@ pub fn restored_layer(py: Python<'_>, state: State<'_>) -> PyResult<Layer> {
         "Polygon" => Geometry::Areas,
         _ => return Err(broken()),
     };
-    let kinds: Option<Vec<(String, Kind)>> =
-        given.iter().map(|(name, kind, _)| Some((name.clone(), kind_of(kind)?))).collect();
-    let columns = columns(&kinds.ok_or_else(broken)?);
+    let kinds: Option<Vec<(&str, Kind)>> =
+        given.iter().map(|(name, kind, _)| Some((name.as_str(), kind_of(kind)?))).collect();
+    let columns = layer::columns(&kinds.ok_or_else(broken)?);
     let numbers = coords.try_readonly()?;
     let numbers = numbers.as_slice().map_err(|_| broken())?;
     let lists: Vec<Vec<usize>> = offsets

@@ -9,6 +9,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::cartography::{MapParams, MapPlan, MapRequest, Steep};
 use tokosen::contour::Interval;
 use tokosen::contour::Target;
+use tokosen::crs::{Crs, FromWorking};
 use tokosen::drain::Drain;
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
@@ -17,6 +18,7 @@ use tokosen::{GridSpec, Options};
 use crate::error::{exception, parameter};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
+use crate::unit::unit;
 
 /// How contours are read and a surface is made. The names are those of the program's flags.
 #[derive(FromPyObject)]
@@ -200,33 +202,69 @@ impl Given {
     }
 }
 
-/// The levels of new contours: at each interval, or those that are given.
-pub fn targets(py: Python<'_>, intervals: &[f64], base: f64, levels: Option<Vec<f64>>) -> PyResult<Vec<Target>> {
-    if let Some(bad) = intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
-        return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
-    }
-    Ok(match levels {
-        Some(levels) => vec![Target::Levels(levels)],
-        None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
-    })
+/// The levels of lines and of the areas between them, the coordinates and the unit that these are given in, and what is asked of
+/// a map: the steps of supplementary contours, their spacing, the number of the scale, and whether lines are left out on steep
+/// slopes.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Levels {
+    intervals: Vec<f64>,
+    levels: Option<Vec<f64>>,
+    pub base_level: f64,
+    to_crs: Option<String>,
+    to_unit: String,
+    to_depths: bool,
+    pub index: u32,
+    supplementary: Vec<f64>,
+    supplementary_spacing: Option<f64>,
+    scale: Option<f64>,
+    thin: bool,
+    /// The height of labels, if they are wanted; 0 for the usual one.
+    pub labels: Option<f64>,
 }
 
-/// What is asked of a map: the steps of supplementary contours, their spacing, the number of the scale, and whether lines are left
-/// out on steep slopes.
-pub type Asked = (Vec<f64>, Option<f64>, Option<f64>, bool);
+impl Levels {
+    /// The levels: at each interval, or those that are given.
+    pub fn targets(&self, py: Python<'_>) -> PyResult<Vec<Target>> {
+        let base = self.base_level;
+        if let Some(bad) = self.intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
+            return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
+        }
+        Ok(match &self.levels {
+            Some(levels) => vec![Target::Levels(levels.clone())],
+            None => self.intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
+        })
+    }
 
-/// The plan for contours of a map, if one is asked for.
-pub fn map_plan(
-    py: Python<'_>,
-    asked: Asked,
-    targets: Vec<Target>,
-    unit: ElevationUnit,
-    index_every: u32,
-) -> PyResult<Option<MapPlan>> {
-    let (supplementary, spacing, scale, thin) = asked;
-    let steep = if thin { Steep::Thin } else { Steep::Keep };
-    let request = MapRequest { targets, unit, index_every, supplementary, spacing, scale, steep };
-    request.plan().map_err(|error| exception(py, &error))
+    /// The unit of levels and heights.
+    pub fn unit(&self, py: Python<'_>) -> PyResult<ElevationUnit> {
+        unit(py, &self.to_unit)
+    }
+
+    /// The system of the coordinates, if it is named.
+    pub fn crs(&self, py: Python<'_>) -> PyResult<Option<Crs>> {
+        crs(py, self.to_crs.as_deref())
+    }
+
+    /// The conversion with the unit of heights, and with depths if they are wanted.
+    pub fn heights_of(&self, py: Python<'_>, back: FromWorking) -> PyResult<FromWorking> {
+        let back = back.with_heights_in(self.unit(py)?);
+        Ok(if self.to_depths { back.with_depths() } else { back })
+    }
+
+    /// The plan for contours of a map, if one is asked for.
+    pub fn map_plan(&self, py: Python<'_>) -> PyResult<Option<MapPlan>> {
+        let request = MapRequest {
+            targets: self.targets(py)?,
+            unit: self.unit(py)?,
+            index_every: self.index,
+            supplementary: self.supplementary.clone(),
+            spacing: self.supplementary_spacing,
+            scale: self.scale,
+            steep: if self.thin { Steep::Thin } else { Steep::Keep },
+        };
+        request.plan().map_err(|error| exception(py, &error))
+    }
 }
 
 /// The parameters of a map. If its scale chooses the interval, the levels count from a base.

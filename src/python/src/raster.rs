@@ -12,10 +12,10 @@ use tokosen::dem::volume::Heights;
 use tokosen::draw::Scene;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
-    write_raster, write_shade, write_with_errors,
+    read_shift_grid, write_raster, write_shade, write_with_errors,
 };
 use tokosen::io::{StagedOutput, check_paths};
-use tokosen::raster::Dem;
+use tokosen::raster::{Dem, ShiftWay};
 
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
@@ -151,6 +151,18 @@ impl Raster {
     #[getter]
     fn quantity(&self) -> &'static str {
         self.quantity.name()
+    }
+
+    /// The heights with the values of a grid of shifts added, or taken off.
+    fn shifted(&self, py: Python<'_>, grid: PathBuf, inverse: bool) -> PyResult<Self> {
+        if self.quantity != Quantity::Height {
+            return Err(parameter(py, format!("the values are {}; heights can be shifted", self.quantity.name())));
+        }
+        let (mut dem, way) = (self.dem(py)?, if inverse { ShiftWay::Subtract } else { ShiftWay::Add });
+        let errors = self.error.as_ref().map(|error| copied(py, error)).transpose()?;
+        let findings = work(py, None, |_| read_shift_grid(&grid)?.shift(&mut dem, way));
+        let findings = findings?;
+        Self::new(py, dem, errors, Quantity::Height, &findings)
     }
 
     /// Volumes above and below levels, or those between this height map and another one on the same cells: for each, the level,

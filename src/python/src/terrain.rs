@@ -28,9 +28,9 @@ use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
 use crate::model::Model;
-use crate::options::{Asked, Cells, Given, map_plan, settled, targets};
+use crate::options::{Cells, Given, Levels, settled};
 use crate::raster::Raster;
-use crate::source::{Source, crs};
+use crate::source::Source;
 use crate::unit::unit;
 use crate::work::work;
 
@@ -133,61 +133,43 @@ impl Terrain {
 
     /// Contours at intervals, or at levels: a layer each, and a layer of labels behind each if the height of their text is given (0 for
     /// the usual one).
-    #[pyo3(signature = (intervals, base, levels, to_crs, to_unit, index, simplify, keep_input, labels, asked, progress))]
-    #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
+    #[pyo3(signature = (levels, simplify, keep_input, progress))]
     fn contours(
         &self,
         py: Python<'_>,
-        intervals: Vec<f64>,
-        base: f64,
-        levels: Option<Vec<f64>>,
-        to_crs: Option<&str>,
-        to_unit: &str,
-        index: u32,
+        levels: Levels,
         simplify: Option<f64>,
         keep_input: bool,
-        labels: Option<f64>,
-        asked: Asked,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Layer>> {
         if let Some(bad) = simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(parameter(py, format!("simplify is {bad}, it must be 0 or more")));
         }
-        let targets = targets(py, &intervals, base, levels)?;
-        let unit = unit(py, to_unit)?;
-        let to_crs = crs(py, to_crs)?;
-        let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);
-        let plan = map_plan(py, asked, targets.clone(), unit, index)?;
-        let map = settled(plan, base, || slope_between(&self.terrain.surface.map));
+        let (targets, unit) = (levels.targets(py)?, levels.unit(py)?);
+        let back = levels.heights_of(py, failed(py, self.terrain.to_output(levels.crs(py)?.as_ref()))?)?;
+        let plan = levels.map_plan(py)?;
+        let map = settled(plan, levels.base_level, || slope_between(&self.terrain.surface.map));
         let targets = map.map_or(targets, |map| vec![map.kinds.levels()]);
-        let params = LayerParams { targets, unit, index_every: index, simplify, keep_input, memory: None };
+        let params = LayerParams { targets, unit, index_every: levels.index, simplify, keep_input, memory: None };
         work(py, progress, |progress| {
             let mut layers = self.terrain.contours_with(params, progress)?;
             if let (Some(map), Some(layer)) = (map, layers.first_mut()) {
                 let of_input = self.terrain.of_input(map.kinds.interval, unit, keep_input);
                 for_map(layer, &map, of_input, &self.terrain.map_ground());
             }
-            with_labels(&layers, labels, self.terrain.surface.frame.extent(), unit, &back)
+            with_labels(&layers, levels.labels, self.terrain.surface.frame.extent(), unit, &back)
         })
     }
 
     /// The areas between contours at intervals, or at levels: a layer each. Then what to warn of.
-    #[pyo3(signature = (intervals, base, levels, to_crs, to_unit, progress))]
-    #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
     fn bands(
         &self,
         py: Python<'_>,
-        intervals: Vec<f64>,
-        base: f64,
-        levels: Option<Vec<f64>>,
-        to_crs: Option<&str>,
-        to_unit: &str,
+        levels: Levels,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
-        let targets = targets(py, &intervals, base, levels)?;
-        let unit = unit(py, to_unit)?;
-        let to_crs = crs(py, to_crs)?;
-        let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);
+        let (targets, unit) = (levels.targets(py)?, levels.unit(py)?);
+        let back = levels.heights_of(py, failed(py, self.terrain.to_output(levels.crs(py)?.as_ref()))?)?;
         let params = LayerParams { targets: targets.clone(), unit, ..LayerParams::default() };
         work(py, progress, |progress| {
             let lines = self.terrain.contours_with(params, progress)?;

@@ -27,7 +27,7 @@ use crate::error::parameter;
 use crate::flow::{self, Water};
 use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
-use crate::options::{Asked, Given, map_plan, settled, targets};
+use crate::options::{Given, Levels, settled};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::terrain::{Warned, one, warned, with_labels};
@@ -158,22 +158,14 @@ pub fn skeleton(
 
 /// Contours of a height map, as those of a terrain, and what to warn of. `given` says which part of the height map is wanted.
 #[pyfunction]
-#[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, asked, progress))]
-#[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
+#[pyo3(signature = (dem, given, levels, tolerance, smooth, progress))]
 pub fn contour(
     py: Python<'_>,
     dem: &Raster,
     given: Given,
-    intervals: Vec<f64>,
-    base: f64,
-    levels: Option<Vec<f64>>,
-    to_crs: Option<&str>,
-    to_unit: &str,
-    index: u32,
+    levels: Levels,
     tolerance: Option<f64>,
     smooth: Option<f64>,
-    labels: Option<f64>,
-    asked: Asked,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
     for (name, value) in [("tolerance", tolerance), ("smooth", smooth)] {
@@ -181,19 +173,18 @@ pub fn contour(
             return Err(parameter(py, format!("{name} is {bad}, it must be 0 or more")));
         }
     }
-    let targets = targets(py, &intervals, base, levels)?;
-    let unit = unit(py, to_unit)?;
-    let to_crs = crs(py, to_crs)?;
+    let (targets, unit) = (levels.targets(py)?, levels.unit(py)?);
     let dem = dem.dem(py)?;
+    let unmoved = Reprojection::unmoved(dem.crs.clone());
+    let back = levels.heights_of(py, failed(py, unmoved.from_working(levels.crs(py)?.as_ref()))?)?;
     let ground = Ground::new(py, &given)?;
     let memory = tokosen::cli::available_memory();
-    let plan = map_plan(py, asked, targets.clone(), unit, index)?;
-    let mut params = ContourParams { targets, unit, index_every: index, tolerance, smooth, part: None, memory };
+    let plan = levels.map_plan(py)?;
+    let mut params = ContourParams { targets, unit, index_every: levels.index, tolerance, smooth, part: None, memory };
     work(py, progress, move |progress| {
-        let back = Reprojection::unmoved(dem.crs.clone()).from_working(to_crs.as_ref())?.with_heights_in(unit);
         let dem = ground.of(dem, &mut params)?;
         let [low, high] = params.part.as_ref().map_or_else(|| dem.corners(), |part| dem.around(part).corners());
-        let map = settled(plan, base, || mean_slope(&dem));
+        let map = settled(plan, levels.base_level, || mean_slope(&dem));
         if let Some(map) = map {
             params.targets = vec![map.kinds.levels()];
         }
@@ -203,35 +194,27 @@ pub fn contour(
         }
         let raised = tolerance.and_then(|asked| found.raised_from(asked));
         let warned = raised.map(|why| (Severity::Warning.name(), "tolerance-raised", format!("tolerance {why}")));
-        Ok((with_labels(&found.layers, labels, (low, high), unit, &back)?, warned.into_iter().collect()))
+        Ok((with_labels(&found.layers, levels.labels, (low, high), unit, &back)?, warned.into_iter().collect()))
     })
 }
 
 /// The areas between the contours of a height map, as those of a terrain, and what to warn of.
 #[pyfunction]
-#[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, progress))]
-#[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
 pub fn bands(
     py: Python<'_>,
     dem: &Raster,
     given: Given,
-    intervals: Vec<f64>,
-    base: f64,
-    levels: Option<Vec<f64>>,
-    to_crs: Option<&str>,
-    to_unit: &str,
+    levels: Levels,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
-    let targets = targets(py, &intervals, base, levels)?;
-    let unit = unit(py, to_unit)?;
-    let to_crs = crs(py, to_crs)?;
+    let (targets, unit) = (levels.targets(py)?, levels.unit(py)?);
     let dem = dem.dem(py)?;
+    let unmoved = Reprojection::unmoved(dem.crs.clone());
+    let back = levels.heights_of(py, failed(py, unmoved.from_working(levels.crs(py)?.as_ref()))?)?;
     let ground = Ground::new(py, &given)?;
     let memory = tokosen::cli::available_memory();
     let mut params = ContourParams { targets, unit, memory, ..ContourParams::default() };
     work(py, progress, move |progress| {
-        let unmoved = Reprojection::unmoved(dem.crs.clone());
-        let back = unmoved.from_working(to_crs.as_ref())?.with_heights_in(unit);
         let dem = ground.of(dem, &mut params)?;
         let found = contours(&dem, &params, progress)?;
         let (mut layers, mut findings) = (Vec::new(), Vec::new());

@@ -17,7 +17,8 @@ NO_ARGUMENTS = {
 }
 # Names that differ: a flag that switches something off is an argument that is true.
 RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}
-# Flags whose work is another function or a method of the result: `Dem.to_file` has the unit of a height map, and a `Dem` its
+# Flags whose work is another function or a method of the result: `Dem.to_file` has the unit of a height map, `Dem.shifted` brings
+# it to another height system, and a `Dem` has its
 # own system. `Terrain.to_html` makes the page of a model; models to print are made by the program.
 LEFT_OUT = {
     "dem": {"to-unit", "vertical-shift", "vertical-shift-inverse"},

@@ -151,6 +151,19 @@ class Dem:
         found = [Volume(*row) for row in self._raster.volume(levels, beside, sigma)]
         return found if np.ndim(level) > 0 else found[0]
 
+    def shifted(self, grid: str | os.PathLike[str], *, inverse: bool = False) -> Dem:
+        """The heights in another height system: with the values of a grid added, or taken off with `inverse`.
+
+        `grid` is a file: .gtx, .tif as in PROJ-data, .isg or .par. Values between nodes are bilinear. Cells outside of the grid lose
+        their heights; `notes` tell how many. The CRS names the height system if the grid does.
+
+        >>> hill = tokosen.Dem.from_array(np.full((2, 2), 9.0), (1e-3, 0, 138.0, 0, -1e-3, 35.002), "EPSG:6668")
+        >>> tokosen.Dem.from_array(np.full((9, 9), 0.5), (1, 0, 134, 0, -1, 39), "EPSG:6668").to_file(folder / "half.tif")
+        >>> hill.shifted(folder / "half.tif").values.tolist()
+        [[9.5, 9.5], [9.5, 9.5]]
+        """
+        return Dem(self._raster.shifted(os.fspath(grid), inverse))
+
     def to_xarray(self, *, error: bool = False) -> Any:
         """A DataArray with the coordinates of cell centres, and the CRS as rioxarray and GDAL write it. xarray must be installed.
 

@@ -138,6 +138,7 @@ class Terrain:
         base_level: float = 0.0,
         to_crs: Any = None,
         to_unit: Unit | None = None,
+        to_depths: bool = False,
         index: int = 5,
         simplify: float | None = None,
         keep_input: bool = False,
@@ -153,7 +154,8 @@ class Terrain:
         `interval` is one interval, or several: then the result is a list. `levels` are single elevations instead. `base_level` is the
         offset of the levels. One level in `index` is an index contour. `simplify` is the largest distance between a new contour
         and its course with fewer vertices (1 % of the mean spacing of the contours); 0 keeps all. The attributes are elev, source
-        (input or interpolated), is_index, depression and closed; with `uncertainty` also err_v, err_h and inferred.
+        (input or interpolated), is_index, depression and closed; with `uncertainty` also err_v, err_h and inferred; with `to_depths`
+        also depth, which is positive downwards.
 
         For a map: `supplementary` are half of the interval, or half and a quarter of it, at which contours are drawn where the ground
         needs them; `supplementary_spacing` is how far apart the others are there, metres. `scale` is the number of the map's scale:
@@ -165,8 +167,21 @@ class Terrain:
         >>> sorted(set(lines["source"]))
         ['input', 'interpolated']
         """
-        asked = asked_of_map(supplementary, supplementary_spacing, scale, thin)
-        found = self._lines(interval, levels, base_level, to_crs, to_unit, index, simplify, keep_input, None, asked, progress)
+        asked = levels_of(
+            interval,
+            levels,
+            base_level,
+            to_crs,
+            to_unit or self._to_unit,
+            index=index,
+            supplementary=supplementary,
+            supplementary_spacing=supplementary_spacing,
+            scale=scale,
+            thin=thin,
+            to_depths=to_depths,
+        )
+        with reporting(progress) as report:
+            found = self._terrain.contours(asked, simplify, keep_input, report)
         layers = [shaped(layer, output, self._of_frame) for layer in found]
         return layers if is_several(interval) else layers[0]
 
@@ -178,6 +193,7 @@ class Terrain:
         base_level: float = 0.0,
         to_crs: Any = None,
         to_unit: Unit | None = None,
+        to_depths: bool = False,
         output: Output = None,
         progress: Progress = None,
     ) -> Any:
@@ -191,11 +207,9 @@ class Terrain:
         >>> round(float(sum(areas["share"])), 9)
         1.0
         """
-        intervals = intervals_of(interval, levels)
-        elevations = None if levels is None else [float(level) for level in levels]
-        unit = to_unit or self._to_unit
+        asked = levels_of(interval, levels, base_level, to_crs, to_unit or self._to_unit, to_depths=to_depths)
         with reporting(progress) as report:
-            found, warned = self._terrain.bands(intervals, base_level, elevations, crs_text(to_crs), unit, report)
+            found, warned = self._terrain.bands(asked, report)
         warn_of(warned, stacklevel=3)
         layers = [shaped(layer, output, self._of_frame) for layer in found]
         return layers if is_several(interval) else layers[0]
@@ -208,6 +222,7 @@ class Terrain:
         base_level: float = 0.0,
         to_crs: Any = None,
         to_unit: Unit | None = None,
+        to_depths: bool = False,
         index: int = 5,
         output: Output = None,
         progress: Progress = None,
@@ -221,31 +236,12 @@ class Terrain:
         """
         size = 0.0 if height is None else float(height)
         if height is not None and not size > 0:
-            raise _parameter_error(f"height is {height}, it must be more than 0")
-        found = self._lines(interval, None, base_level, to_crs, to_unit, index, None, False, size, asked_of_map(), progress)
-        return shaped(found[1], output, self._of_frame)
-
-    def _lines(
-        self,
-        interval: float | Sequence[float] | None,
-        levels: Sequence[float] | None,
-        base_level: float,
-        to_crs: Any,
-        to_unit: Unit | None,
-        index: int,
-        simplify: float | None,
-        keep_input: bool,
-        labels: float | None,
-        asked: tuple[list[float], float | None, float | None, bool],
-        progress: Progress,
-    ) -> list[_tokosen.Layer]:
-        intervals = intervals_of(interval, levels, asked)
+            raise ParameterError(f"height is {height}, it must be more than 0")
         unit = to_unit or self._to_unit
-        elevations = None if levels is None else [float(level) for level in levels]
+        asked = levels_of(interval, None, base_level, to_crs, unit, index=index, labels=size, to_depths=to_depths)
         with reporting(progress) as report:
-            return self._terrain.contours(
-                intervals, base_level, elevations, crs_text(to_crs), unit, index, simplify, keep_input, labels, asked, report
-            )
+            found = self._terrain.contours(asked, None, False, report)
+        return shaped(found[1], output, self._of_frame)
 
     def dem(
         self,
@@ -444,42 +440,51 @@ class Terrain:
         return page("Terrain", rows, notes[:10] + more, self._terrain.picture())
 
 
-def asked_of_map(
+def levels_of(
+    interval: float | Sequence[float] | None,
+    levels: Sequence[float] | None,
+    base_level: float,
+    to_crs: Any,
+    to_unit: Unit,
+    *,
+    index: int = 5,
     supplementary: float | Sequence[float] | None = None,
-    spacing: float | None = None,
+    supplementary_spacing: float | None = None,
     scale: float | None = None,
     thin: bool = False,
-) -> tuple[list[float], float | None, float | None, bool]:
-    """What is asked of a map, as the compiled functions take it."""
-    steps = [] if supplementary is None else [float(s) for s in np.atleast_1d(np.asarray(supplementary, dtype=np.float64))]
-    return steps, spacing, None if scale is None else float(scale), thin
+    to_depths: bool = False,
+    labels: float | None = None,
+) -> dict[str, Any]:
+    """The levels of lines, as the compiled functions take them. Intervals or levels must be given, or a scale that chooses one."""
+    steps = numbers_of(interval)
+    if interval is None and levels is None and scale is None or interval is not None and levels is not None:
+        raise ParameterError("give either interval or levels")
+    if interval is not None and not steps:
+        raise ParameterError("interval is an empty list")
+    return {
+        "intervals": steps,
+        "levels": None if levels is None else numbers_of(levels),
+        "base_level": base_level,
+        "to_crs": crs_text(to_crs),
+        "to_unit": to_unit,
+        "to_depths": to_depths,
+        "index": index,
+        "supplementary": numbers_of(supplementary),
+        "supplementary_spacing": supplementary_spacing,
+        "scale": None if scale is None else float(scale),
+        "thin": thin,
+        "labels": labels,
+    }
 
 
-def intervals_of(
-    interval: float | Sequence[float] | None, levels: Sequence[float] | None, asked: tuple[Any, ...] = ([], None, None, False)
-) -> list[float]:
-    """The intervals as a list. Either they or levels must be given, or a scale that chooses one."""
-    if interval is None and levels is None and asked[2] is not None:
-        return []
-    if (interval is None) == (levels is None):
-        raise _parameter_error("give either interval or levels")
-    if interval is None:
-        return []
-    steps = [float(step) for step in np.atleast_1d(np.asarray(interval, dtype=np.float64))]
-    if not steps:
-        raise _parameter_error("interval is an empty list")
-    return steps
+def numbers_of(given: float | Sequence[float] | None) -> list[float]:
+    """A number or several as a list."""
+    return [] if given is None else [float(number) for number in np.atleast_1d(np.asarray(given, dtype=np.float64))]
 
 
 def is_several(interval: Any) -> bool:
     """Whether it is a list of intervals, which gives a list of results."""
     return np.ndim(interval) > 0
-
-
-def _parameter_error(message: str) -> Exception:
-    from tokosen._errors import ParameterError
-
-    return ParameterError(message)
 
 
 def rebuilt(contours: Any, grid: dict[str, Any], uncertainty: bool, to_unit: Unit, only_dem: bool, given: Any) -> Terrain:

@@ -31,7 +31,7 @@ _Report = Callable[[str, float | None], object] | None
 _Warned = list[tuple[str, str, str]]
 _Options = dict[str, Any]
 _Cells = dict[str, Any]
-_Asked = tuple[list[float], float | None, float | None, bool]
+_Levels = dict[str, Any]
 
 @final
 class Source:
@@ -91,6 +91,7 @@ class Raster:
     def crs(self) -> str | None: ...
     @property
     def quantity(self) -> str: ...
+    def shifted(self, grid: str, inverse: bool) -> Raster: ...
     def volume(self, levels: list[float], other: Raster | None, sigma: float | None) -> list[list[float]]: ...
     def picture(self) -> bytes: ...
     def write(
@@ -114,29 +115,8 @@ class Terrain:
     def build(
         contours: list[Source], given: _Options, cells: _Cells, to_unit: str, only_dem: bool, progress: _Report
     ) -> Terrain: ...
-    def contours(
-        self,
-        intervals: list[float],
-        base: float,
-        levels: list[float] | None,
-        to_crs: str | None,
-        to_unit: str,
-        index: int,
-        simplify: float | None,
-        keep_input: bool,
-        labels: float | None,
-        asked: _Asked,
-        progress: _Report,
-    ) -> list[Layer]: ...
-    def bands(
-        self,
-        intervals: list[float],
-        base: float,
-        levels: list[float] | None,
-        to_crs: str | None,
-        to_unit: str,
-        progress: _Report,
-    ) -> tuple[list[Layer], _Warned]: ...
+    def contours(self, levels: _Levels, simplify: float | None, keep_input: bool, progress: _Report) -> list[Layer]: ...
+    def bands(self, levels: _Levels, progress: _Report) -> tuple[list[Layer], _Warned]: ...
     def dem(self, cells: _Cells, progress: _Report) -> Raster: ...
     def sample(self, points: list[list[float]]) -> list[list[float]]: ...
     def profile(self, line: list[list[float]], step: float | None) -> list[list[float]]: ...
@@ -173,30 +153,9 @@ def skeleton(
     contours: list[Source], given: _Options, to_crs: str | None, to_unit: str, progress: _Report
 ) -> tuple[Layer, _Warned]: ...
 def contour(
-    dem: Raster,
-    given: _Options,
-    intervals: list[float],
-    base: float,
-    levels: list[float] | None,
-    to_crs: str | None,
-    to_unit: str,
-    index: int,
-    tolerance: float | None,
-    smooth: float | None,
-    labels: float | None,
-    asked: _Asked,
-    progress: _Report,
+    dem: Raster, given: _Options, levels: _Levels, tolerance: float | None, smooth: float | None, progress: _Report
 ) -> tuple[list[Layer], _Warned]: ...
-def bands(
-    dem: Raster,
-    given: _Options,
-    intervals: list[float],
-    base: float,
-    levels: list[float] | None,
-    to_crs: str | None,
-    to_unit: str,
-    progress: _Report,
-) -> tuple[list[Layer], _Warned]: ...
+def bands(dem: Raster, given: _Options, levels: _Levels, progress: _Report) -> tuple[list[Layer], _Warned]: ...
 def derive(
     dem: Raster,
     what: str,

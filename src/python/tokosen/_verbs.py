@@ -25,7 +25,7 @@ from tokosen._options import (
     options,
 )
 from tokosen._sources import is_frame, places, source, sources
-from tokosen._terrain import Mesh, Terrain, asked_of_map, intervals_of, is_several, terrain_for_dem
+from tokosen._terrain import Mesh, Terrain, is_several, levels_of, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
 
@@ -37,6 +37,7 @@ def densify(
     base_level: float = 0.0,
     to_crs: Any = None,
     to_unit: Unit = "m",
+    to_depths: bool = False,
     index: int = 5,
     simplify: float | None = None,
     keep_input: bool = False,
@@ -59,7 +60,7 @@ def densify(
     >>> lines.name, len(lines)
     ('contours_5m', 7)
     """
-    intervals_of(interval, levels, asked_of_map(supplementary, supplementary_spacing, scale, thin))
+    levels_of(interval, levels, base_level, to_crs, to_unit, supplementary=supplementary, scale=scale)
     terrain = Terrain(contours, uncertainty=uncertainty, to_unit=to_unit, progress=progress, **given)
     return terrain.contours(
         interval,
@@ -73,6 +74,7 @@ def densify(
         supplementary_spacing=supplementary_spacing,
         scale=scale,
         thin=thin,
+        to_depths=to_depths,
         output=output,
         progress=progress,
     )
@@ -168,6 +170,7 @@ def contour(
     base_level: float = 0.0,
     to_crs: Any = None,
     to_unit: Unit = "m",
+    to_depths: bool = False,
     index: int = 5,
     tolerance: float | None = None,
     smooth: float | None = None,
@@ -184,32 +187,28 @@ def contour(
     `dem` is a path, a Dem, a DataArray, or (values, transform, crs). `tolerance` is how far lines may be from the bilinear surface
     of the heights, map units (half a cell); at least a thousandth of a cell is used. `smooth` smooths noisy heights first, by this
     distance. `extent` or `clip` is the part of the height map that the lines are cut to; outside of `frame` is no ground.
-    `supplementary`, `supplementary_spacing`, `scale` and `thin` are those of `Terrain.contours`.
+    `supplementary`, `supplementary_spacing`, `scale`, `thin` and `to_depths` are those of `Terrain.contours`.
 
     >>> hill = tokosen.dem(tokosen.example(), cell=10)
     >>> sorted(set(tokosen.contour(hill, 10)["elev"].tolist()))
     [20.0, 30.0, 40.0]
     """
-    asked = asked_of_map(supplementary, supplementary_spacing, scale, thin)
-    intervals = intervals_of(interval, levels, asked)
-    elevations = None if levels is None else [float(level) for level in levels]
+    asked = levels_of(
+        interval,
+        levels,
+        base_level,
+        to_crs,
+        to_unit,
+        index=index,
+        supplementary=supplementary,
+        supplementary_spacing=supplementary_spacing,
+        scale=scale,
+        thin=thin,
+        to_depths=to_depths,
+    )
     ground = options(given, GroundOptions)
     with reporting(progress) as report:
-        found, warned = _tokosen.contour(
-            raster("dem", dem),
-            ground,
-            intervals,
-            base_level,
-            elevations,
-            crs_text(to_crs),
-            to_unit,
-            index,
-            tolerance,
-            smooth,
-            None,
-            asked,
-            report,
-        )
+        found, warned = _tokosen.contour(raster("dem", dem), ground, asked, tolerance, smooth, report)
     warn_of(warned, stacklevel=3)
     layers = [shaped(layer, output, False) for layer in found]
     return layers if is_several(interval) else layers[0]
@@ -223,6 +222,7 @@ def bands(
     base_level: float = 0.0,
     to_crs: Any = None,
     to_unit: Unit = "m",
+    to_depths: bool = False,
     output: Output = None,
     progress: Progress = None,
     **given: Unpack[GroundOptions],
@@ -235,13 +235,10 @@ def bands(
     >>> sorted(set(tokosen.bands(hill, 10)["elev_from"].tolist()))
     [10.0, 20.0, 30.0, 40.0]
     """
-    intervals = intervals_of(interval, levels)
-    elevations = None if levels is None else [float(level) for level in levels]
+    asked = levels_of(interval, levels, base_level, to_crs, to_unit, to_depths=to_depths)
     ground = options(given, GroundOptions)
     with reporting(progress) as report:
-        found, warned = _tokosen.bands(
-            raster("dem", dem), ground, intervals, base_level, elevations, crs_text(to_crs), to_unit, report
-        )
+        found, warned = _tokosen.bands(raster("dem", dem), ground, asked, report)
     warn_of(warned, stacklevel=3)
     layers = [shaped(layer, output, False) for layer in found]
     return layers if is_several(interval) else layers[0]
@@ -277,6 +274,7 @@ def derive(
     threshold: float | None = None,
     flood_level: float | str | None = None,
     flood_from: Any = None,
+    flood_bands: Sequence[float] = (),
     output: Output = None,
     progress: Progress = None,
 ) -> Any:
@@ -290,7 +288,8 @@ def derive(
     these places only; each moves to the largest stream within `outlet_snap` metres (default: 3 cells). "stream_lines" are lines
     where at least `threshold` square metres drain through a cell. "flood" is the depth of water, "flood_areas" its outline and
     volume: below `flood_level` and joined to the edge or to `flood_from`; or, with a text such as "+3", 3 m above the streams.
-    Places are (x, y), several of them, or points of a GeoDataFrame.
+    `flood_bands` parts "flood_areas" at these depths in metres, from small to large. Places are (x, y), several of them, or points
+    of a GeoDataFrame.
 
     >>> hill = tokosen.dem(tokosen.example(), cell=10)
     >>> tokosen.derive(hill, "slope").quantity, tokosen.derive(hill, "steep", steep_angle=5).geometry_type
@@ -308,6 +307,7 @@ def derive(
             "flood_level": None if flood_level is None or is_rise else float(flood_level),
             "flood_rise": float(flood_level) if flood_level is not None and is_rise else None,
             "flood_from": places("flood_from", flood_from, cells.crs),
+            "flood_bands": [float(depth) for depth in flood_bands],
         }
         found, warned = _tokosen.derive(cells, what, multidirectional, numbers, None, water, report)
     warn_of(warned, stacklevel=3)

@@ -300,6 +300,12 @@ TO_UNIT = choice(
     advanced=True,
     help="Heights in other options of this tool are then in this unit too.",
 )
+TO_DEPTHS = yes(
+    "--to-depths",
+    "Also write depths, positive downwards",
+    advanced=True,
+    help="The field depth, beside elev. Areas between the lines get depth_from, depth_to and depth_mid.",
+)
 
 PREVIEW = file_output("--preview", "Picture of the result", PICTURE, advanced=True)
 SHIFT = [
@@ -307,7 +313,7 @@ SHIFT = [
         "--vertical-shift",
         "File with a grid of shifts between height systems",
         advanced=True,
-        help="Its values are added to the heights: .gtx, .tif in degrees, .isg, or .par of the Geospatial Information Authority of Japan.",
+        help="Its values are added to the heights of the height map (of two, of A): .gtx, .tif in degrees, .isg, or .par of the Geospatial Information Authority of Japan.",
     ),
     yes("--vertical-shift-inverse", "Take the values of the grid off the heights instead", advanced=True),
 ]

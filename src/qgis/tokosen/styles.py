@@ -31,6 +31,10 @@ INPUT = "84,48,22"
 INTERPOLATED = "186,90,12"
 RIDGE = "140,20,120"
 CANYON = "0,100,200"
+# From the lowest to the highest ground.
+TINT = (
+    "158,192,158", "182,206,162", "208,219,172", "229,225,184", "237,224,194", "244,232,214", "252,249,243",
+)
 SEVERITIES = {"error": "215,25,28", "warning": "253,141,60", "note": "44,123,182"}
 LANDFORMS = {
     "peak": "166,86,40",
@@ -126,9 +130,11 @@ def regions(layer):
 
 
 def bands(layer):
-    """A colour by height; water is blue."""
-    height = "scale_linear(\"elev_mid\", minimum(\"elev_mid\"), maximum(\"elev_mid\"), 1, 0)"
-    tint = f"if(\"kind\" = 'ground', ramp_color('Spectral', {height}), color_rgb({LANDFORMS['water']}))"
+    """The tint by height; water is blue."""
+    height, low, high = (f"{of}(coalesce(elev_mid, elev_from, elev_to))" for of in ("", "minimum", "maximum"))
+    stops = ", ".join(f"{k / (len(TINT) - 1)}, '{color}'" for k, color in enumerate(TINT))
+    share = f"if({high} > {low}, ({height} - {low}) / ({high} - {low}), 0)"
+    tint = f"if(\"kind\" = 'ground', ramp_color(create_ramp(map({stops})), {share}), '{LANDFORMS['water']}')"
     symbol = area(LANDFORMS["slope"], border=INPUT)
     symbol.symbolLayer(0).setDataDefinedProperty(QgsSymbolLayer.PropertyFillColor, QgsProperty.fromExpression(tint))
     layer.setRenderer(QgsSingleSymbolRenderer(symbol))

@@ -12,7 +12,7 @@ mod steep;
 pub use check::check;
 pub use flow::{
     Accumulated, CatchmentPart, Catchments, Flood, FloodFrom, FloodPart, FlowDirections, FlowLine, Outlet, StreamFlood,
-    catchment_parts, catchments, catchments_above, cells_at_edge, flood_along_streams, flood_to_level,
+    catchment_parts, catchments, catchments_above, cells_at_edge, check_depths, flood_along_streams, flood_to_level,
     flow_accumulation, flow_directions, flow_lines, snapped_outlet,
 };
 pub use note::{HeightsFrom, steep_note};

@@ -25,6 +25,17 @@ use crate::tuning::{ErrorTuning, Tuning};
 
 /// Shares of errors within one and within two standard errors, as in a normal distribution, rounded.
 const WITHIN: [f64; 2] = [0.68, 0.95];
+/// The error beyond the last contour, as a share of the climb, where there are too few tops to estimate it.
+const USUAL_CLIMB_SHARE: f64 = 0.5;
+/// Least number of places beyond the last contour to estimate this share.
+const MIN_TOP_PLACES: usize = 50;
+/// Where no levels can be hidden: standard error half-way between contours one spacing apart, as a share of the
+/// contour interval.
+const USUAL_ERROR: f64 = 0.08;
+/// Where no levels can be hidden: power with which the standard error grows with the distance between contours.
+const USUAL_WIDTH_POWER: f64 = 0.7;
+/// Least share of the error that remains where many crossings fix the surface.
+const MIN_LEFT: f64 = 0.15;
 
 /// The origin of the error model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,14 +87,14 @@ impl ErrorModel {
         let (mut between, mut beyond): (Vec<Residual>, Vec<Residual>) =
             residuals.iter().partition(|s| s.width().is_finite());
         between.retain(|s| s.width() > 0.0);
-        let beyond_usual = tuning.usual_climb_share;
-        let curve = usual(interval, spacing, &tuning);
+        let beyond_usual = USUAL_CLIMB_SHARE;
+        let curve = usual(interval, spacing);
         let usual = Self { provenance: Provenance::Usual, exponent, beyond: beyond_usual, curve, interval, tuning };
         if between.len() < fewest {
             return usual;
         }
         let share = quantile(&mut beyond, |s| s.length, WITHIN[0]) / interval;
-        let is_known = beyond.len() >= tuning.min_top_places;
+        let is_known = beyond.len() >= MIN_TOP_PLACES;
         let beyond = if is_known { share.clamp(least_share, most_share) } else { beyond_usual };
         let classes = classes(&mut between, tuning.width_classes, fewest);
         let curve = classes.into_iter().map(|class| point(class, exponent, interval, spacing, &tuning)).collect();
@@ -162,14 +173,13 @@ fn disagreement_factor(apart: Option<f64>, error: f64, tuning: &ErrorTuning) -> 
 /// crossings per node. Every crossing of an edge is an equation. With about as many equations as nodes, little is left
 /// open.
 pub fn unfixed_share(crossings: f64, tuning: &ErrorTuning) -> f64 {
-    let ErrorTuning { fixing_crossings, fixing_power, min_left, .. } = *tuning;
-    (1.0 / (1.0 + (crossings / fixing_crossings).powf(fixing_power)).sqrt()).max(min_left)
+    let ErrorTuning { fixing_crossings, fixing_power, .. } = *tuning;
+    (1.0 / (1.0 + (crossings / fixing_crossings).powf(fixing_power)).sqrt()).max(MIN_LEFT)
 }
 
 /// The usual curve, for maps where no levels can be hidden.
-fn usual(interval: f64, spacing: f64, tuning: &ErrorTuning) -> Vec<[f64; 2]> {
-    let ErrorTuning { usual_error, usual_width_power, .. } = *tuning;
-    let at = |wide: f64| [(wide * spacing).ln(), (usual_error * interval * wide.powf(usual_width_power)).ln()];
+fn usual(interval: f64, spacing: f64) -> Vec<[f64; 2]> {
+    let at = |wide: f64| [(wide * spacing).ln(), (USUAL_ERROR * interval * wide.powf(USUAL_WIDTH_POWER)).ln()];
     vec![at(0.1), at(10.0)]
 }
 

@@ -6,6 +6,8 @@ const RAMPS = {
   bySlope: ["#f4f1e6", "#f6d98a", "#ee9a4d", "#cf4a3a", "#7d1d4c", "#2c0f35"],
   byError: ["#f1eef6", "#c3b6dc", "#9a86c4", "#7a4fa8", "#5b1f86", "#37094f"],
 };
+// Each band between two contours in one colour.
+RAMPS.byBand = RAMPS.byHeight;
 const LINES = {
   input: { colour: "#4a2b10", width: 1, indexWidth: 2 },
   added: { colour: "#b4500f", width: 0.9, indexWidth: 1.6 },
@@ -37,4 +39,24 @@ function colourAt(ramp, share) {
   const k = Math.min(Math.floor(place), ramp.length - 2);
   const [from, to] = [parts(ramp[k]), parts(ramp[k + 1])];
   return from.map((part, n) => part + (place - k) * (to[n] - part));
+}
+
+// The levels of all contours inside the range of the heights, with its ends.
+function levelsOf(data) {
+  const [low, high] = data.ground.range;
+  const levels = new Set(["input", "added"].flatMap((name) => (data.lines[name] ?? []).map((line) => line.points[2])));
+  return [low, ...[...levels].filter((level) => low < level && level < high).sort((a, b) => a - b), high];
+}
+
+// The colours of a mode at even steps of its range.
+function coloursOf(mode, data, count) {
+  const shares = Array.from({ length: count }, (_, k) => k / (count - 1));
+  if (mode !== "byBand") return shares.map((share) => colourAt(RAMPS[mode], share));
+  const levels = levelsOf(data);
+  const [low, high] = data.ground.range;
+  let k = 1;
+  return shares.map((share) => {
+    while (k < levels.length - 1 && levels[k] <= low + share * (high - low)) k++;
+    return colourAt(RAMPS.byBand, ((levels[k - 1] + levels[k]) / 2 - low) / (high - low || 1));
+  });
 }

@@ -32,7 +32,8 @@ function legendOf(mode, data, units) {
     const [low, high] = rangeOf(mode, data);
     const say = mode === "bySlope" ? (v) => `${units.number(v, 0)}°` : (v) => units.height(v, mode === "byError" ? 2 : 0);
     const bar = element("div", { className: "bar" });
-    bar.style.background = `linear-gradient(to right, ${RAMPS[mode].join(", ")})`;
+    const stops = coloursOf(mode, data, 128).map((colour, k) => `rgb(${colour.map(Math.round)}) ${k / 1.28}% ${(k + 1) / 1.28}%`);
+    bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
     box.append(element("strong", {}, WORDS[mode]), bar, element("div", { className: "ends" }, ...[low, (low + high) / 2, high].map((v) => element("span", {}, say(v)))));
   }
   const key = (colour, width, words) => {
@@ -47,11 +48,11 @@ function legendOf(mode, data, units) {
 
 function makePanel(view, data, units, { lines, marks, profile, choose }) {
   const { uniforms } = view;
-  const modes = ["byHeight", "plain", "bySlope", ...(data.errors ? ["byError"] : [])];
+  const modes = ["byHeight", "byBand", "plain", "bySlope", ...(data.errors ? ["byError"] : [])];
   const legend = element("div");
   const setMode = (mode) => {
-    uniforms.mode.value = ["byHeight", "plain", "bySlope", "byError"].indexOf(mode);
-    uniforms.ramp.value = rampTexture(mode);
+    uniforms.mode.value = ["byHeight", "plain", "bySlope", "byError", "byBand"].indexOf(mode);
+    uniforms.ramp.value = rampTexture(mode, data);
     uniforms.range.value.set(...rangeOf(mode, data));
     legend.replaceChildren(legendOf(mode, data, units));
     view.ask();

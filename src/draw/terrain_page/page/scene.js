@@ -70,10 +70,10 @@ function cellTexture(values, ground) {
   return texture;
 }
 
-function rampTexture(mode) {
-  const pixels = new Uint8Array(4 * 256);
-  for (let k = 0; k < 256; k++) pixels.set([...colourAt(RAMPS[mode], k / 255), 255], 4 * k);
-  const texture = new THREE.DataTexture(pixels, 256, 1, THREE.RGBAFormat, THREE.UnsignedByteType);
+function rampTexture(mode, data) {
+  const count = 2048;
+  const pixels = new Uint8Array(coloursOf(mode, data, count).flatMap((colour) => [...colour, 255]));
+  const texture = new THREE.DataTexture(pixels, count, 1, THREE.RGBAFormat, THREE.UnsignedByteType);
   texture.minFilter = texture.magFilter = THREE.LinearFilter;
   texture.needsUpdate = true;
   return texture;

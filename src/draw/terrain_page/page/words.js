@@ -3,6 +3,7 @@
 const ENGLISH = {
   colours: "Colours",
   byHeight: "elevation",
+  byBand: "elevation bands",
   plain: "relief alone",
   bySlope: "slope",
   byError: "expected error",
@@ -54,6 +55,7 @@ const ENGLISH = {
 const JAPANESE = {
   colours: "色分け",
   byHeight: "標高",
+  byBand: "等高線の帯",
   plain: "陰影のみ",
   bySlope: "傾斜",
   byError: "推定誤差",

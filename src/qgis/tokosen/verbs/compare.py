@@ -39,6 +39,7 @@ cell size or a height map with the same grid.
         ),
         *[option._replace(advanced=True) for option in shared.TERRAIN if option.name != "POINTS"],
         shared.POINTS_WITH_HEIGHT._replace(help="Check points: A and B are compared with them too.", advanced=True),
+        *shared.SHIFT,
         *shared.SURFACE,
         *shared.CLEANING,
         raster_output("--output", "Differences A - B", style="difference"),

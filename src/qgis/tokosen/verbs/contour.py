@@ -55,6 +55,7 @@ index contour (is_index), a depression contour (depression) and closed (closed).
         *shared.SHIFT,
         shared.TO_CRS,
         shared.TO_UNIT,
+        shared.TO_DEPTHS,
         vector_output("--output", "Contours", LINES, style="contours"),
         shared.BANDS,
         shared.PREVIEW,

@@ -38,6 +38,7 @@ the input, only the lines at its levels are written.
         ),
         shared.TO_CRS,
         shared.TO_UNIT,
+        shared.TO_DEPTHS,
         *shared.SURFACE,
         *shared.CLEANING,
         vector_output("--output", "Contours", LINES, style="contours"),

@@ -61,6 +61,7 @@ cannot show a slope of 5 m height.
         *[option._replace(advanced=True) for option in shared.PART],
         shared.BASE,
         shared.BASE_FADE,
+        *shared.SHIFT,
         shared.CELL_DEGREES,
         shared.TO_CRS,
         *shared.SURFACE,

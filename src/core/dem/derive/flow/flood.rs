@@ -38,9 +38,13 @@ pub struct Flood {
     pub deepest: f64,
 }
 
-/// Water of one flood that is joined along the edges of cells.
+/// Water of one flood, between two depths, that is joined along the edges of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloodPart {
+    /// The depth that its water is not less deep than, metres.
+    pub from: f64,
+    /// The depth that its water is less deep than, metres; `None` for the deepest water.
+    pub to: Option<f64>,
     /// The outer ring, then the holes, along cell edges, in map units. Each ring ends where it begins.
     pub rings: Vec<Vec<DVec2>>,
     /// Its area on the map, square metres.
@@ -158,6 +162,17 @@ pub struct StreamFlood {
     pub memory: Option<u64>,
 }
 
+/// Refuses depths that do not part water: they must be more than 0 and increase.
+///
+/// # Errors
+/// [`Error::Parameter`].
+pub fn check_depths(depths: &[f64]) -> Result<()> {
+    match depths.windows(2).all(|w| w[0] < w[1]) && depths.iter().all(|depth| depth.is_finite() && *depth > 0.0) {
+        true => Ok(()),
+        false => Err(Error::Parameter("depths of a flood must be more than 0, from small to large: 0.5,1,2".into())),
+    }
+}
+
 fn check_memory(dem: &Dem, budget: Option<u64>) -> Result<()> {
     let (what, remedy) =
         (format!("a flood over {} cells", dem.values.len()), "clip the height map, or make its cells larger");
@@ -181,10 +196,12 @@ impl Flood {
         Self { depths: Dem { grid, values: depths, crs }, cells, area, volume, deepest }
     }
 
-    /// The outlines of the water, from the north-west. `scale` gives their areas.
-    pub fn parts(&self, scale: &GroundScale) -> Vec<FloodPart> {
+    /// The outlines of the water, from the north-west, parted at some depths (see [`check_depths`]). They are a partition of the
+    /// cells under water. `scale` gives their areas.
+    pub fn parts(&self, scale: &GroundScale, depths: &[f64]) -> Vec<FloodPart> {
         let Dem { grid, values, .. } = &self.depths;
-        let sets: Vec<u32> = values.iter().map(|depth| if depth.is_nan() { OUTSIDE } else { 0 }).collect();
+        let band = |depth: f32| depths.partition_point(|limit| *limit <= f64::from(depth));
+        let sets: Vec<u32> = values.iter().map(|&d| if d.is_nan() { OUTSIDE } else { band(d) as u32 }).collect();
         let (labels, count) = pieces(grid.cols, &sets, Joined::AlongEdges);
         drop(sets);
         let mut measures = vec![(0.0, 0.0_f64); count];
@@ -196,7 +213,15 @@ impl Flood {
         }
         let parts = outlines(grid.cols, &labels).into_iter().map(|part| {
             let (volume, deepest) = measures[labels[part.cell] as usize];
-            FloodPart { area: area(&part.rings, grid, scale), rings: on_map(&part.rings, grid), volume, deepest }
+            let band = band(values[part.cell]);
+            FloodPart {
+                from: band.checked_sub(1).map_or(0.0, |below| depths[below]),
+                to: depths.get(band).copied(),
+                area: area(&part.rings, grid, scale),
+                rings: on_map(&part.rings, grid),
+                volume,
+                deepest,
+            }
         });
         parts.collect()
     }
@@ -228,7 +253,7 @@ mod tests {
         let lake = flood(4.0, FloodFrom::Cells(vec![7, 6]));
         assert_eq!((lake.cells, lake.depths.values[7], lake.depths.values[8]), (2, 2.0, 1.0));
         assert_eq!(flood(0.5, FloodFrom::Edge).cells, 0);
-        let parts = lake.parts(&METRES);
+        let parts = lake.parts(&METRES, &[]);
         assert_eq!((parts.len(), parts[0].area, parts[0].volume, parts[0].deepest), (1, 8.0, 12.0, 2.0));
     }
 
@@ -283,9 +308,15 @@ mod tests {
                 for (cell, (&is_wet, &found)) in wet.iter().zip(&found.depths.values).enumerate() {
                     prop_assert!(if is_wet { found == depth(cell) } else { found.is_nan() }, "{}", cell);
                 }
-                let parts = found.parts(&METRES);
-                prop_assert!((parts.iter().map(|part| part.volume).sum::<f64>() - found.volume).abs() < 1e-9);
-                prop_assert_eq!(parts.iter().map(|part| part.area).sum::<f64>(), found.area);
+                for depths in [&[][..], &[1.0, 2.5, 6.0]] {
+                    let parts = found.parts(&METRES, depths);
+                    prop_assert!((parts.iter().map(|part| part.volume).sum::<f64>() - found.volume).abs() < 1e-9);
+                    prop_assert_eq!(parts.iter().map(|part| part.area).sum::<f64>(), found.area);
+                    for part in parts {
+                        prop_assert!(part.volume >= part.from * part.area, "{:?}", part);
+                        prop_assert!(part.to.is_none_or(|to| part.deepest < to && to - part.from > 0.9), "{:?}", part);
+                    }
+                }
             }
         }
     }
