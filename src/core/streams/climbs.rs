@@ -9,9 +9,9 @@ use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
 
 /// Cuts streams where the surface rises along them by more than `least` metres. Between contours nothing else speaks against
-/// such a stream, and one height for both sides of a ridge would be wrong on both. A piece ends where the rise is `least`, and the
-/// next one begins at the top. So no height changes by more than `least` if the pieces are made to fall. `height` is that of the surface. `streams` come in an order in
-/// which each one follows those that flow into it.
+/// such a stream, and one height for both sides of a ridge would be wrong on both. A piece ends where the rise is `least`, and
+/// the next one begins at the top. So no height changes by more than `least` when the pieces are made to fall. `height` is that
+/// of the surface. `streams` come in an order in which each one follows those that flow into it.
 pub(crate) fn without_climbs(
     streams: &[Stream],
     height: impl Fn(DVec2) -> f64,
@@ -51,7 +51,7 @@ pub(crate) fn without_climbs(
     let finding = |(feature, (rise, place, length)): (FeatureId, (f64, DVec2, f64))| {
         let message = format!(
             "the ground rises by {rise:.1} m along the stream, which the contours neither show nor forbid; it may be drawn \
-             over a ridge. {length:.1} map units of it are left out"
+             over a ridge. {length:.0} m of it are left out"
         );
         Finding::at(FindingKind::StreamClimbs, place, message).of_feature(feature)
     };
