@@ -2,15 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
 use glam::DVec2;
 use serde_json::Value;
 use tokosen::cartography::{CLOSEST, SMALLEST_RING};
 
+use crate::common::Course;
 use crate::common::Folder;
 use crate::common::crossings;
-use crate::common::distance;
 use crate::guide_pages::{commands, inputs, run};
 use crate::running::{Running, folder_with_part};
 
@@ -92,12 +92,12 @@ fn supplementary_contours_are_pieces_where_the_ground_is_flat() {
     for line in map.iter().filter(is_new) {
         assert!(line.is_ring() || line.length() >= 200.0, "{} at {}", line.length(), line.elevation);
         // Along most of a piece, the contours beside it are far apart.
-        let beside = |p: &DVec2, level: f64| {
-            let near = map.iter().filter(|other| other.elevation == level && !other.kind.starts_with("supplementary"));
-            near.map(|other| distance(*p, &other.points)).fold(f64::INFINITY, f64::min)
-        };
         let below = (line.elevation / 20.0).floor() * 20.0;
-        let apart = |p: &&DVec2| beside(p, below) + beside(p, below + 20.0) >= 200.0;
+        let [lower, upper] = [below, below + 20.0].map(|level| {
+            let own = map.iter().filter(|other| other.elevation == level && !other.kind.starts_with("supplementary"));
+            Course::of(own.map(|other| &other.points[..]))
+        });
+        let apart = |p: &&DVec2| lower.distance(**p) + upper.distance(**p) >= 200.0;
         let is_far = line.points.iter().filter(apart).count() * 3 >= line.points.len() * 2;
         assert!(line.is_ring() || is_far, "{} at {}", line.kind, line.points[0]);
     }
@@ -125,10 +125,16 @@ fn a_scale_leaves_out_what_cannot_be_seen_and_nothing_crosses() {
         for line in &map {
             let [low, high] = line.points.iter().fold([line.points[0]; 2], |[a, b], p| [a.min(*p), b.max(*p)]);
             assert!(!line.is_ring() || (high - low).max_element() >= metres(SMALLEST_RING), "{}", line.points[0]);
+        }
+        let levels: BTreeSet<i64> = map.iter().map(|line| line.elevation.round() as i64).collect();
+        for level in levels {
+            let (own, others): (Vec<&Line>, Vec<&Line>) =
+                map.iter().partition(|line| line.elevation.round() as i64 == level);
+            let others = Course::of(others.iter().map(|line| &line.points[..]));
             // Index contours may be close to each other.
-            for other in map.iter().filter(|other| other.elevation != line.elevation && line.kind != "index") {
-                let near = line.points.iter().map(|p| distance(*p, &other.points)).fold(f64::INFINITY, f64::min);
-                assert!(near >= metres(CLOSEST), "{near} m between {} and {}", line.elevation, other.elevation);
+            for line in own.iter().filter(|line| line.kind != "index") {
+                let near = line.points.iter().map(|p| others.distance(*p)).fold(f64::INFINITY, f64::min);
+                assert!(near >= metres(CLOSEST), "{near} m between {level} and another level");
             }
         }
     }

@@ -8,7 +8,7 @@ use glam::DVec2;
 use rusqlite::Connection;
 use tokosen::io::{ReadOptions, read_contours};
 
-use crate::common::distance;
+use crate::common::Course;
 use crate::running::{Running, folder_with, folder_with_part};
 
 /// A label: text, elevation, angle, height, place.
@@ -44,7 +44,7 @@ fn labels_lie_on_index_contours() {
         assert!(*angle > -90.0 && *angle <= 90.0);
         assert!((height - 60.0).abs() < 1e-6);
         let own = map.contours.iter().filter(|line| line.elevation == *elevation);
-        let off = own.map(|line| distance(*place, &line.points)).fold(f64::INFINITY, f64::min);
+        let off = Course::of(own.map(|line| &line.points[..])).distance(*place);
         assert!(off < 1e-6, "{off}");
     }
     for (k, a) in rows.iter().enumerate() {
