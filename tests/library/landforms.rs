@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use geo::{Area, Contains, Relate, Validation, line_string, point};
+use geo::{Area, Contains, Relate, line_string, point};
 use glam::DVec2;
 use tokosen::base::error::FindingKind;
 use tokosen::clean::{CleanParams, clean};
