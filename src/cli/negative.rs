@@ -111,6 +111,7 @@ mod tests {
         ("--threshold", "-100", Taken),
         ("--flood-level", "-1.5", Taken),
         ("--flood-from", "-83.5,-36", Taken),
+        ("--flood-bands", "-0.5,1", Taken),
         ("--steep-angle", "-30", Taken),
         ("--steep-height", "-5", Taken),
         ("--azimuth", "-45", Taken),
@@ -191,7 +192,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 213;
+    const CASES: usize = 214;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

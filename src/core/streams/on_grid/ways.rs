@@ -53,10 +53,11 @@ impl<'a> Ways<'a> {
         };
         let along = |way: &Way| way.cells.iter().zip(&way.heights).map(|(cell, own)| near(*cell, *own)).collect();
         let mut wanted: Vec<Vec<f64>> = self.of_streams.iter().map(along).collect();
+        let stays: Vec<bool> = wanted.iter().flatten().map(|z| z.is_nan()).collect();
         // The heights of streams fall. So no height leaves the tolerance.
         fall(&self.of_streams.iter().map(|way| way.ends).collect::<Vec<_>>(), &mut wanted);
-        for (cell, wanted) in self.cells().zip(wanted.into_iter().flatten()) {
-            if !wanted.is_nan()
+        for ((cell, stays), wanted) in self.cells().zip(stays).zip(wanted.into_iter().flatten()) {
+            if !stays
                 && let Some(height) = allowed(cell, wanted as f32)
             {
                 heights[cell] = height;
