@@ -57,9 +57,7 @@ impl<'a> Ways<'a> {
         // The heights of streams fall. So no height leaves the tolerance.
         fall(&self.of_streams.iter().map(|way| way.ends).collect::<Vec<_>>(), &mut wanted);
         for ((cell, stays), wanted) in self.cells().zip(stays).zip(wanted.into_iter().flatten()) {
-            if !stays
-                && let Some(height) = allowed(cell, wanted as f32)
-            {
+            if !stays && let Some(height) = allowed(cell, wanted as f32) {
                 heights[cell] = height;
             }
         }
