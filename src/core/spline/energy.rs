@@ -106,6 +106,11 @@ impl EdgeTerms {
         Self { terms, before }
     }
 
+    /// The terms of all edges that contours cross, ordered by first node.
+    pub fn all(&self) -> &[EdgeTerm] {
+        &self.terms
+    }
+
     /// The terms of the edges whose first nodes lie in a range.
     pub fn starting_in(&self, nodes: Range<usize>) -> &[EdgeTerm] {
         &self.terms[self.place(nodes.start)..self.place(nodes.end)]

@@ -1,4 +1,6 @@
-//! Weights that follow the surface: where it bends much, it may bend.
+//! Weights that follow the surface: creases may bend, and tension rises where the surface meets its bounds.
+
+use rayon::prelude::*;
 
 use super::energy::Energy;
 use super::fold::{Fold, Folds};
@@ -7,6 +9,10 @@ use crate::tuning::SplineTuning;
 
 /// Nodes per task. Each task begins its sums anew. So the sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 14;
+/// A height nearer to a bound than this is at the bound, as a share of the contour interval: a tolerance of rounding.
+const AT_BOUND: f64 = 1e-3;
+/// The largest factor on the tension after all rounds.
+const MAX_FACTOR: f32 = 1000.0;
 
 /// Lowers the bending weights where the surface bends much, by iteratively reweighted least squares (IRLS).
 ///
@@ -43,4 +49,59 @@ pub fn reweight_bending(energy: &mut Energy<'_>, folds: &Folds, tuning: &SplineT
         });
         energy.bending[kind] = bending;
     }
+}
+
+/// The ends of the edges that contours cross, and their neighbours.
+pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
+    let [cols, rows] = energy.size;
+    let mut near = vec![false; cols * rows];
+    for (side, step) in [1, cols].into_iter().enumerate() {
+        for n in energy.contours[side].all().iter().map(|t| t.node as usize) {
+            for end in [n, n + step] {
+                for m in [end.wrapping_sub(1), end, end + 1, end.wrapping_sub(cols), end + cols] {
+                    if let Some(near) = near.get_mut(m) {
+                        *near = true;
+                    }
+                }
+            }
+        }
+    }
+    near
+}
+
+/// Raises the factor on the tension around nodes that lie at a bound, away from the contours.
+///
+/// There, steep ground beside them carries on its slope. Without more tension, the surface would be a shelf at the
+/// bound.
+pub fn raise_tension_at_bounds(
+    factors: &mut [f32],
+    near_contours: &[bool],
+    [lo, hi]: [&[f32]; 2],
+    z: &[f64],
+    cols: usize,
+    interval: f64,
+    tuning: &SplineTuning,
+) {
+    let SplineTuning { bound_tension_factor, bound_tension_reach, .. } = *tuning;
+    let rows = z.len() / cols;
+    let slack = AT_BOUND * interval;
+    let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
+    let is_pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
+    let mut share: Vec<f32> = parallel::values(z.len(), is_pressed);
+    if share.iter().all(|&s| s == 0.0) {
+        return;
+    }
+    for _ in 0..bound_tension_reach {
+        let before = share.clone();
+        share.par_chunks_mut(cols).enumerate().skip(1).take(rows.saturating_sub(2)).for_each(|(j, row)| {
+            for (i, share) in row.iter_mut().enumerate().take(cols - 1).skip(1) {
+                let n = j * cols + i;
+                let around = before[n - 1] + before[n + 1] + before[n - cols] + before[n + cols];
+                *share = share.max(around / 4.0);
+            }
+        });
+    }
+    factors.par_iter_mut().zip(&share).filter(|(_, s)| **s > 0.0).for_each(|(factor, &share)| {
+        *factor = (*factor * bound_tension_factor.powf(share)).min(MAX_FACTOR);
+    });
 }

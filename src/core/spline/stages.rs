@@ -12,7 +12,7 @@ use super::inside::Inside;
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
-use super::reweight::reweight_bending;
+use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
 use crate::base::Grid;
 use crate::base::progress::Progress;
 use crate::base::{KnownLine, Sure, parallel};
@@ -113,6 +113,8 @@ struct Stage<'a> {
 struct Solved {
     lattice: Lattice,
     z: Vec<f64>,
+    /// Factors on the tension.
+    factors: Vec<f32>,
 }
 
 /// An energy with its first weights. The arrays mark the second differences across lines where the surface may bend.
@@ -190,7 +192,7 @@ impl Stage<'_> {
         (if is_fine && has_start { steps_on_fine_grids } else { steps })[self.kind()]
     }
 
-    /// Starts from the heights of a coarser lattice and improves them. Without further rounds, the weights
+    /// Starts from the heights and factors of a coarser lattice and improves them. Without further rounds, the weights
     /// follow the heights of the coarser lattice.
     fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
         let tuning = problem.tuning;
@@ -199,34 +201,46 @@ impl Stage<'_> {
         let steps = self.steps(problem, before.is_some());
         // A lattice without a coarser one has nothing to start from. It takes the rounds of the second lattice.
         let rounds = tuning.reweighting_rounds[if before.is_none() { 1 } else { self.kind() }];
-        let mut z = match before {
-            None => vec![problem.mean_level(); self.lattice.len()],
-            Some(Solved { lattice, z }) => {
+        let (mut z, mut factors) = match before {
+            None => (vec![problem.mean_level(); self.lattice.len()], vec![1.0; self.lattice.len()]),
+            Some(Solved { lattice, z, factors }) => {
                 let mut z = refined(&z, &lattice, &self.lattice);
                 Walls::new(problem.cliffs, &self.lattice).iter().for_each(|walls| walls.mend(&mut z));
-                z
+                (z, spread(&factors, &lattice, &self.lattice))
             }
         };
         let effort = Effort { steps, tolerance: tuning.convergence * problem.interval };
         let later = Effort { steps: tuning.further_steps[self.kind()], ..effort };
-        // Later rounds start from these weights. The finest lattice has no later rounds; there, the copy would take much of
-        // the memory.
-        let first = (rounds > 0).then(|| energy.bending.clone());
+        // Later rounds start from these weights. The finest lattice has no later rounds; there, the copies would take
+        // much of the memory.
+        let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
+        scale(&mut energy, &factors);
         if first.is_none() {
             reweight_bending(&mut energy, &folds, tuning, problem.crease_threshold, &z);
         }
         let mut minimiser = Minimiser::default();
         minimiser.minimise(&energy, lo, hi, &mut z, effort);
-        for bending in first.iter().cycle().take(rounds) {
+        for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
             reweight_bending(&mut energy, &folds, tuning, problem.crease_threshold, &z);
+            raise_tension_at_bounds(
+                &mut factors,
+                near_contours,
+                [lo, hi],
+                &z,
+                self.lattice.cols,
+                problem.interval,
+                tuning,
+            );
+            energy.tension.clone_from(tension);
+            scale(&mut energy, &factors);
             minimiser.minimise(&energy, lo, hi, &mut z, later);
         }
         if self.depth == 0 {
             let upper = self.breached_bounds(problem, [lo, hi], &z);
             minimiser.minimise(&energy, lo, &upper, &mut z, later);
         }
-        Solved { lattice: self.lattice, z }
+        Solved { lattice: self.lattice, z, factors }
     }
 
     /// Upper bounds with breached pits. Ground beside a cut then falls towards it.
@@ -326,6 +340,18 @@ impl Stage<'_> {
     }
 }
 
+/// Multiplies the tension of each edge by the factors at both ends.
+fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
+    let steps = [1, energy.size[0]];
+    for (side, step) in steps.into_iter().enumerate() {
+        parallel::update(&mut energy.tension[side], |n, tension| {
+            if *tension > 0.0 {
+                *tension *= (factors[n] * factors[n + step]).sqrt();
+            }
+        });
+    }
+}
+
 /// Cubic interpolation in the middle between nodes `k` and `k + 1`. Values beyond the ends follow a straight line.
 fn middle(k: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     let at = |i: usize, offset: isize| -> f64 {
@@ -359,6 +385,15 @@ fn refined(z: &[f64], coarse: &Lattice, fine: &Lattice) -> Vec<f64> {
         }
     });
     out
+}
+
+/// Factors on a finer lattice, linear between nodes.
+fn spread(factors: &[f32], coarse: &Lattice, fine: &Lattice) -> Vec<f32> {
+    let at = |i: usize, j: usize| {
+        let row = |j: usize| factors[j * coarse.cols + i / 2] + factors[j * coarse.cols + i.div_ceil(2)];
+        (row(j / 2) + row(j.div_ceil(2))) / 4.0
+    };
+    parallel::cells(fine.cols, fine.rows, at)
 }
 
 #[cfg(test)]
