@@ -24,7 +24,7 @@ const FARTHEST: f64 = 4.0;
 pub(super) enum Obstacles {
     /// Any line, also itself.
     All,
-    /// Lines of other levels. Where contours are missing, lines of one level touch in the input already.
+    /// The line itself, and lines of other levels. Where contours are missing, lines of one level touch in the input already.
     OtherLevels,
 }
 
@@ -142,7 +142,7 @@ impl Moving {
         let bounds = known.fold(Bounds::around(&[from, to]), |b, end| b.union(Bounds::around(&[self.at(end)])));
         let step = Move { v, from, to, ends, merged, bounds, obstacles };
         let is_bend = merged == NONE && !ends.contains(&NONE);
-        if is_bend && obstacles == Obstacles::All && overlap(to, self.at(ends[0]), self.at(ends[1])) {
+        if is_bend && overlap(to, self.at(ends[0]), self.at(ends[1])) {
             return false;
         }
         if self.cells.any(bounds, |segment| self.is_in_the_way(segment, &step)) {
@@ -173,7 +173,8 @@ impl Moving {
         if !segment.bounds().meets(&bounds) {
             return false;
         }
-        if obstacles == Obstacles::OtherLevels && self.line(a).level == self.line(v).level {
+        let is_own = self.line_of[a as usize] == self.line_of[v as usize];
+        if obstacles == Obstacles::OtherLevels && !is_own && self.line(a).level == self.line(v).level {
             return false;
         }
         // Ends of other lines of this level at the same place: lines that meet there go on doing so.

@@ -66,19 +66,28 @@ proptest! {
 
     #[test]
     fn nothing_touches_at_any_zoom(seed in 0_u64..1000, apart in prop_oneof![0.3_f64..3.0, 3.0_f64..40.0]) {
-        let lines = slope(seed, apart, 8);
-        let count = lines.len();
-        let mut network = Network::new(lines, 14);
-        let (left_out, gaps) = draw(&mut network, true);
-        assert_apart(&network);
-        prop_assert!(gaps > 0 || network.count() + left_out == count);
-        let mut network = network.coarser(|level| level % 2 == 0);
-        for _ in 0..4 {
-            draw(&mut network, false);
-            assert_apart(&network);
-            network = network.coarser(|_| true);
-        }
+        assert_apart_at_zooms(slope(seed, apart, 8));
     }
+}
+
+/// Draws lines at five zooms, of which the lower ones show every second level.
+fn assert_apart_at_zooms(lines: Vec<LevelLine>) {
+    let count = lines.len();
+    let mut network = Network::new(lines, 14);
+    let (left_out, gaps) = draw(&mut network, true);
+    assert_apart(&network);
+    assert!(gaps > 0 || network.count() + left_out == count);
+    let mut network = network.coarser(|level| level % 2 == 0);
+    for _ in 0..4 {
+        draw(&mut network, false);
+        assert_apart(&network);
+        network = network.coarser(|_| true);
+    }
+}
+
+#[test]
+fn a_line_never_folds_back_onto_itself() {
+    assert_apart_at_zooms(slope(855, 0.454_886_567_701_236_1, 8));
 }
 
 #[test]
