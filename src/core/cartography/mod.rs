@@ -1,8 +1,8 @@
 //! Contours for a map of some scale: fewer where they would run together, more where the ground is flat.
 //!
 //! [`for_map()`] does all of it; it has the steps. `rules` has the table of rules by scale, `kinds` the kinds of contours by
-//! their levels. `generalise` and `steep` leave out. `tint` has the colours of heights. [`keep_supplementary`] chooses supplementary contours: `nearest` measures how far
-//! apart the contours beside them are, `tops` finds rings that show a top or a hollow, `pieces` chooses the pieces of a line.
+//! their levels. `generalise` and `steep` leave out. `tint` has the colours of heights. [`keep_supplementary`] chooses
+//! supplementary contours: `nearest` measures how far apart the contours beside them are, `tops` finds rings that show a top or a hollow, `pieces` chooses the pieces of a line.
 
 mod for_map;
 mod generalise;
