@@ -1,8 +1,5 @@
 //! Contours that no cartographer would draw: each must give a surface with all guarantees, or an error that says why not.
 
-#[path = "../fuzz/src/pipeline.rs"]
-mod pipeline;
-
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
@@ -210,30 +207,3 @@ fn long_lines_side_by_side_on_the_slant() {
     hold(map_of(&lines), &Lines { is_exact: true, ..Lines::default() }, &params, "slanted lines").unwrap();
     assert!(start.elapsed() < LONG, "{:?}", start.elapsed());
 }
-
-/// What the fuzzer found before, and what it starts from.
-#[test]
-fn seeds_of_the_fuzzer() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fuzz/seeds/pipeline");
-    let mut seeds: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    seeds.sort();
-    let (mut held, mut refused) = (0, Vec::new());
-    for seed in &seeds {
-        match pipeline::run(&std::fs::read(seed).unwrap()) {
-            Some(Ok(())) => held += 1,
-            Some(Err(_)) => refused.push(seed.file_name().unwrap().to_str().unwrap()),
-            None => panic!("{}: no map", seed.display()),
-        }
-    }
-    assert_eq!(refused, REFUSED_SEEDS);
-    assert!(held >= 70, "{held} seeds tested anything");
-}
-
-/// Of these seeds no surface can be made: too few levels, heights that are none, coordinates with too few digits.
-const REFUSED_SEEDS: [&str; 5] = [
-    "elevation_that_is_no_height_2",
-    "flat_triangles_beside_the_frame_1",
-    "frame_polygon_beyond_all_places",
-    "lake_height_that_is_no_height",
-    "thousands_of_points_beside_each_other_in_a_lake",
-];

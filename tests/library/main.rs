@@ -26,6 +26,7 @@ mod planted;
 mod raster_files;
 mod read_only_files;
 mod sample;
+mod seeds;
 mod simplified;
 mod skeleton;
 mod streams;

@@ -2,7 +2,8 @@
 //!
 //! [`for_map()`] does all of it; it has the steps. `rules` has the table of rules by scale, `kinds` the kinds of contours by
 //! their levels. `generalise` and `steep` leave out. `tint` has the colours of heights. [`keep_supplementary`] chooses
-//! supplementary contours: `nearest` measures how far apart the contours beside them are, `tops` finds rings that show a top or a hollow, `pieces` chooses the pieces of a line.
+//! supplementary contours: `nearest` measures how far apart the contours beside them are, `tops` finds rings that show a top or a
+//! hollow, `pieces` chooses the pieces of a line.
 
 mod for_map;
 mod generalise;

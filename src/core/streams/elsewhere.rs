@@ -4,6 +4,7 @@ use super::beside::Beside;
 use super::descend::Detour;
 use crate::base::error::{Finding, FindingKind};
 use crate::subdomains::Course;
+use crate::tin::NONE;
 use crate::tuning::StreamTuning;
 
 /// A reach that crosses fewer contours says nothing.
@@ -19,21 +20,23 @@ pub(super) struct Compared<'a> {
 }
 
 impl Compared<'_> {
-    /// Whether the contours contradict it. On rough ground, pieces that are shorter than the tolerance are cut from true streams
-    /// too.
-    fn is_contradicted(&self, tolerance: f64) -> bool {
-        let is_long = |detour: &Detour| matches!(detour, Detour::Cut { length, .. } if *length > tolerance);
-        self.beside.is_some() || self.detours.iter().any(is_long)
+    /// The share of it that the contours contradict. On rough ground, short pieces are cut from true streams too.
+    fn contradicted(&self) -> f64 {
+        if self.beside.is_some() {
+            return 1.0;
+        }
+        let cut = self.detours.iter().map(|detour| if let Detour::Cut { length, .. } = detour { *length } else { 0.0 });
+        let inside = self.course.stretches.iter().filter(|stretch| stretch.region != NONE);
+        cut.sum::<f64>() / inside.map(|stretch| stretch.to - stretch.from).sum::<f64>()
     }
 }
 
 /// The finding that most streams contradict the contours, if they do. Reaches count by the contours that they cross.
 pub(super) fn elsewhere<'a>(
     reaches: impl IntoIterator<Item = Compared<'a>>,
-    tolerance: f64,
     tuning: &StreamTuning,
 ) -> Option<Finding> {
-    let (mut tested, mut crossings, mut contradicted) = (0, 0, 0);
+    let (mut tested, mut crossings, mut contradicted) = (0, 0, 0.0);
     for reach in reaches {
         let count = reach.course.crossings.iter().filter(|crossing| crossing.level.is_some()).count();
         if count < FEWEST_CROSSINGS {
@@ -41,9 +44,10 @@ pub(super) fn elsewhere<'a>(
         }
         tested += 1;
         crossings += count;
-        contradicted += if reach.is_contradicted(tolerance) { count } else { 0 };
+        contradicted += reach.contradicted() * count as f64;
     }
-    let share = contradicted as f64 / crossings.max(1) as f64;
+    let share = contradicted / crossings.max(1) as f64;
+    eprintln!("SHARE {share} {tested}");
     (tested >= FEWEST_REACHES && share > tuning.elsewhere).then(|| {
         let message = format!(
             "the streams are not those of these contours: {:.0} % of the {crossings} crossings of contours are on streams \

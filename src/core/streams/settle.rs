@@ -79,7 +79,7 @@ pub(crate) fn settle(
         parallel::map(reaches.len(), |r| descending(&ground, &reaches[r].points, &courses[r], tolerance));
     let compared = (0..reaches.len()).map(|r| Compared { course: &before[r], beside: beside[r], detours: &found[r].1 });
     // Without a tolerance, streams are taken where they are.
-    let elsewhere = (tolerance > 0.0).then(|| elsewhere(compared, tolerance, tuning)).flatten();
+    let elsewhere = (tolerance > 0.0).then(|| elsewhere(compared, tuning)).flatten();
     findings.extend(partings(&reaches, nodes, &lines, tin.origin));
     let mut edges = Vec::new();
     let mut reach_of = Vec::new();
