@@ -56,22 +56,28 @@ struct OddHeights {
     pairs: Vec<[f64; 2]>,
 }
 
-/// Positions on the plane, with the coordinates that they had in the file. The table is made when an output first asks
-/// for it.
+/// The coordinates that positions on the plane had in the file. The table is made when an output first asks for it.
 #[derive(Debug, Default)]
 struct Originals {
-    pairs: Vec<(Key, DVec2)>,
-    /// Whether all these positions are whole micrometres. Computed vertices hardly ever are, so they need no search.
-    in_steps: bool,
+    places: Vec<DVec2>,
+    /// The positions in whole micrometres that several of them would have. These keep all their digits.
+    crowded: HashSet<Key>,
     by_place: OnceLock<HashMap<Key, DVec2, FixedState>>,
 }
 
 impl Originals {
-    fn at(&self, p: DVec2) -> Option<DVec2> {
-        if self.in_steps && on_steps(p) != p {
+    /// What was at a position on the plane, to which `way` leads.
+    fn at(&self, p: DVec2, way: Option<&Transform>) -> Option<DVec2> {
+        // Computed vertices are hardly ever on whole micrometres, so they need no search.
+        if self.crowded.is_empty() && on_steps(p) != p {
             return None;
         }
-        self.by_place.get_or_init(|| self.pairs.iter().copied().collect()).get(&bits(p)).copied()
+        let pair = |p: &DVec2| {
+            let exact = way.map_or(Some(*p), |way| way.forward(*p))?;
+            let key = bits(on_steps(exact));
+            Some((if self.crowded.contains(&key) { bits(exact) } else { key }, *p))
+        };
+        self.by_place.get_or_init(|| self.places.iter().filter_map(pair).collect()).get(&bits(p)).copied()
     }
 }
 
@@ -110,7 +116,7 @@ impl Reprojection {
         let pair = |p: &DVec2| Ok((bits(on_steps(forward(*p)?)), *p));
         let pairs = |line: &&mut [DVec2]| line.iter().map(pair).collect::<Result<Vec<(Key, DVec2)>>>();
         let pairs = parallel::map_each(lines, pairs).into_iter().collect::<Result<Vec<_>>>()?;
-        let mut originals = in_order(pairs.into_iter().flatten().collect());
+        let mut originals = in_order(pairs.concat());
         check_way(&way, &originals, input, working)?;
         let same_place = originals.windows(2).filter(|pair| pair[0].0 == pair[1].0);
         let crowded: HashSet<Key> = same_place.map(|pair| pair[0].0).collect();
@@ -141,16 +147,14 @@ impl Reprojection {
             // Most coordinates have no digits below a micrometre. These need not be stored.
             originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
         }
+        let mut places: Vec<DVec2> = originals.into_iter().map(|(_, p)| p).collect();
+        places.shrink_to_fit();
         let reprojection = Self {
             input: Some(input.clone()),
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
             in_steps: true,
-            originals: Arc::new(Originals {
-                pairs: originals,
-                in_steps: crowded.is_empty(),
-                by_place: OnceLock::new(),
-            }),
+            originals: Arc::new(Originals { places, crowded, by_place: OnceLock::new() }),
             around,
             heights: Arc::default(),
         };
@@ -202,7 +206,7 @@ impl Reprojection {
     }
 
     fn original(&self, p: DVec2) -> Option<DVec2> {
-        self.originals.at(p)
+        self.originals.at(p, self.way.as_ref())
     }
 
     /// The system of the file, if it is the plane of a drawing in another unit than metres. Then results are in this unit
@@ -449,7 +453,7 @@ impl FromWorking {
     /// Whether positions on the plane need no transformation.
     pub fn is_identity(&self) -> bool {
         match &self.target {
-            Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
+            Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.places.is_empty(),
             Target::Other { from_working, .. } => from_working.is_identity(),
         }
     }
@@ -550,7 +554,7 @@ mod tests {
         let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
         let (flat, reprojection) = project(25832, &noisy, 25832).unwrap().value;
         assert_eq!(flat[0], DVec2::new(436_203.79, 6_444_375.56));
-        assert!(reprojection.are_unmoved() && reprojection.originals.pairs.len() == 1);
+        assert!(reprojection.are_unmoved() && reprojection.originals.places.len() == 1);
         let back = reprojection.from_working(None).unwrap();
         assert!(!back.is_identity());
         for (p, q) in noisy.iter().zip(&flat) {

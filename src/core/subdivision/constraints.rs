@@ -58,6 +58,8 @@ impl Constraints {
             hi = hi.max(p);
         }
         let mut input = TinInput::new([lo, hi], self.tolerance);
+        let others = 2 * self.extensions.len() + map.spots.len() + rings.iter().map(Vec::len).sum::<usize>();
+        input.reserve(map.vertex_count() + others);
         let extensions =
             self.extensions.iter().map(|extension| (extension.elevation, vec![extension.end, extension.frame]));
         let contours = map.contours.iter().map(|c| (c.elevation, Cow::from(&c.points)));

@@ -42,32 +42,37 @@ pub(crate) fn local_bands(
         let band = tin.triangles[t as usize].into_iter().filter_map(at_corner).reduce(Band::union)?;
         (band.lo < band.hi).then_some(band)
     };
-    let known = |t: u32| Some((t, corner_band(t)?));
+    // Most maps have few of these triangles. So they are known by their places in this list.
     let wide = |t: usize| Some(t as u32).filter(|&t| is_wide(t) && !is_beside_wrong(t));
-    let known: Vec<(u32, Band)> = parallel::flat_map(tin.len(), |t| wide(t).and_then(known));
+    let wide: Vec<u32> = parallel::flat_map(tin.len(), wide);
+    let known = |k: usize| Some((k, corner_band(wide[k])?));
+    let known: Vec<(usize, Band)> = parallel::flat_map(wide.len(), known);
     if known.is_empty() {
         return HashMap::default();
     }
-    let is_beside_wrong: Vec<bool> = parallel::values(tin.len(), |t| is_beside_wrong(t as u32));
+    let mut place = vec![NONE; tin.len()];
+    wide.iter().enumerate().for_each(|(k, &t)| place[t as usize] = k as u32);
     // Nothing about a band passes through a contour.
     let is_next = |t: u32, n: u32| regions.of_triangle[t as usize] == regions.of_triangle[n as usize];
-    let next = |t: u32| {
-        let across = (0..3).filter_map(move |i| tin.across(t, i));
-        across.filter(move |&n| is_next(t, n)).filter(|&n| !is_beside_wrong[n as usize])
+    let next = |k: usize| {
+        let t = wide[k];
+        let across = (0..3).filter_map(move |i| tin.across(t, i)).filter(move |&n| is_next(t, n));
+        across.map(|n| place[n as usize]).filter(|&k| k != NONE).map(|k| k as usize)
     };
-    let levels = levels_around(tin, next, |t| is_wide(t) && !is_beside_wrong[t as usize]);
+    let levels = levels_around(tin, &wide, next);
     // A band that does not reach to the contours around a triangle is not its own.
-    let fits = |t: u32, band: Band| levels[t as usize].is_none_or(|at| band.lo <= at.lo && at.hi <= band.hi);
-    let nearest = nearest_known(tin, &known, next, fits);
-    let narrower = |t: usize| {
-        let (_, band) = known.get(nearest[t] as usize)?;
-        let whole = regions.region(t as u32)?.band;
-        let at_corners = tin.triangles[t].into_iter().filter_map(&given);
+    let fits = |k: usize, band: Band| levels[k].is_none_or(|at| band.lo <= at.lo && at.hi <= band.hi);
+    let nearest = nearest_known((tin, &wide), &known, next, fits);
+    let narrower = |k: usize| {
+        let t = wide[k];
+        let (_, band) = known.get(nearest[k] as usize)?;
+        let whole = regions.region(t)?.band;
+        let at_corners = tin.triangles[t as usize].into_iter().filter_map(&given);
         let wide = at_corners.map(|(height, _)| between_levels(&regions.interval, height)).fold(*band, Band::union);
         let band = Band { lo: wide.lo.max(whole.lo), hi: wide.hi.min(whole.hi) };
-        (band.lo < band.hi && band != whole).then_some((t as u32, band))
+        (band.lo < band.hi && band != whole).then_some((t, band))
     };
-    parallel::flat_map(tin.len(), narrower).into_iter().collect()
+    parallel::flat_map(wide.len(), narrower).into_iter().collect()
 }
 
 /// The level of a vertex of a contour, as a band.
@@ -76,20 +81,20 @@ fn level(tin: &Tin, v: u32) -> Option<Band> {
     (tin.kinds[v as usize] == VertexKind::Contour).then_some(Band { lo: height, hi: height })
 }
 
-/// The levels of the contours at the corners of each triangle, and elsewhere those at the nearest triangle with such
-/// corners, counted in triangles. `next` gives the triangles beside one, `from` where the search begins.
-fn levels_around<N: Iterator<Item = u32>>(
+/// The levels of the contours at the corners of each of these triangles, and elsewhere those at the nearest triangle with such
+/// corners, counted in triangles. `next` gives the triangles beside one, by their places in the list.
+fn levels_around<N: Iterator<Item = usize>>(
     tin: &Tin,
-    next: impl Fn(u32) -> N,
-    from: impl Fn(u32) -> bool,
+    triangles: &[u32],
+    next: impl Fn(usize) -> N,
 ) -> Vec<Option<Band>> {
-    let at_corners = |t: usize| tin.triangles[t].into_iter().filter_map(|v| level(tin, v)).reduce(Band::union);
-    let mut levels: Vec<Option<Band>> = parallel::values(tin.len(), at_corners);
-    let mut open: VecDeque<u32> = (0..tin.len() as u32).filter(|&t| levels[t as usize].is_some() && from(t)).collect();
-    while let Some(t) = open.pop_front() {
-        for n in next(t) {
-            if levels[n as usize].is_none() {
-                levels[n as usize] = levels[t as usize];
+    let of_corners = |&t: &u32| tin.triangles[t as usize].into_iter().filter_map(|v| level(tin, v)).reduce(Band::union);
+    let mut levels: Vec<Option<Band>> = parallel::map_each(triangles, of_corners);
+    let mut open: VecDeque<usize> = (0..levels.len()).filter(|&k| levels[k].is_some()).collect();
+    while let Some(k) = open.pop_front() {
+        for n in next(k) {
+            if levels[n].is_none() {
+                levels[n] = levels[k];
                 open.push_back(n);
             }
         }
@@ -97,30 +102,31 @@ fn levels_around<N: Iterator<Item = u32>>(
     levels
 }
 
-/// For each triangle: the place in `known` of the nearest triangle whose band fits it and all triangles on the way. The way
-/// runs through the middles of the triangles. `next` gives the triangles beside one.
-fn nearest_known<N: Iterator<Item = u32>>(
-    tin: &Tin,
-    known: &[(u32, Band)],
-    next: impl Fn(u32) -> N,
-    fits: impl Fn(u32, Band) -> bool,
+/// For each of these triangles: which of those `known` is the nearest whose band fits it and all triangles on the way. The way
+/// runs through the middles of the triangles. `next` gives the triangles beside one. Triangles are known by their places in the
+/// list.
+fn nearest_known<N: Iterator<Item = usize>>(
+    (tin, triangles): (&Tin, &[u32]),
+    known: &[(usize, Band)],
+    next: impl Fn(usize) -> N,
+    fits: impl Fn(usize, Band) -> bool,
 ) -> Vec<u32> {
-    let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0;
-    let mut nearest = vec![NONE; tin.len()];
-    known.iter().enumerate().for_each(|(k, &(t, _))| nearest[t as usize] = k as u32);
+    let middle = |k: usize| tin.corners(triangles[k]).iter().sum::<DVec2>() / 3.0;
+    let mut nearest = vec![NONE; triangles.len()];
+    known.iter().enumerate().for_each(|(own, &(k, _))| nearest[k] = own as u32);
     let mut open = BinaryHeap::new();
-    let reach = |open: &mut BinaryHeap<_>, nearest: &[u32], distance: f64, k: u32, t: u32| {
-        for n in next(t).filter(|&n| nearest[n as usize] == NONE && fits(n, known[k as usize].1)) {
-            let distance = distance + middle(t).distance(middle(n));
+    let reach = |open: &mut BinaryHeap<_>, nearest: &[u32], distance: f64, own: u32, k: usize| {
+        for n in next(k).filter(|&n| nearest[n] == NONE && fits(n, known[own as usize].1)) {
+            let distance = distance + middle(k).distance(middle(n));
             // The bits of numbers that are not negative have the order of the numbers.
-            open.push(Reverse((distance.to_bits(), k, n)));
+            open.push(Reverse((distance.to_bits(), own, n as u32)));
         }
     };
-    known.iter().enumerate().for_each(|(k, &(t, _))| reach(&mut open, &nearest, 0.0, k as u32, t));
-    while let Some(Reverse((distance, k, t))) = open.pop() {
-        if nearest[t as usize] == NONE {
-            nearest[t as usize] = k;
-            reach(&mut open, &nearest, f64::from_bits(distance), k, t);
+    known.iter().enumerate().for_each(|(own, &(k, _))| reach(&mut open, &nearest, 0.0, own as u32, k));
+    while let Some(Reverse((distance, own, k))) = open.pop() {
+        if nearest[k as usize] == NONE {
+            nearest[k as usize] = own;
+            reach(&mut open, &nearest, f64::from_bits(distance), own, k as usize);
         }
     }
     nearest

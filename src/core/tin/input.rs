@@ -67,6 +67,14 @@ impl TinInput {
         self.positions.is_empty()
     }
 
+    /// Makes room for as many points on lines.
+    pub fn reserve(&mut self, points: usize) {
+        self.positions.reserve_exact(points);
+        self.heights.reserve_exact(points);
+        self.kinds.reserve_exact(points);
+        self.edges.reserve_exact(points);
+    }
+
     /// Adds a point in map coordinates and returns its index.
     pub fn push(&mut self, position: DVec2, height: f64, kind: VertexKind) -> u32 {
         self.push_local(position - self.origin, height, kind)
