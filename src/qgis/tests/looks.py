@@ -6,16 +6,19 @@ from qgis.core import (
     QgsCategorizedSymbolRenderer,
     QgsFeatureRequest,
     QgsHillshadeRenderer,
+    QgsMapRendererSequentialJob,
+    QgsMapSettings,
     QgsProcessingContext,
     QgsProcessingOutputLayerDefinition,
     QgsProcessingUtils,
     QgsProject,
     QgsVectorLayer,
 )
+from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtXml import QDomDocument
 
 from inside import Case
-from installed import CONTOURS, NESTED
+from installed import CONTOURS, HEIGHTS, NESTED, command
 
 # Importable after the module inside.
 from tokosen import styles  # noqa: E402
@@ -47,6 +50,30 @@ class Styles(Case):
             self.assertGreater(min(widths[:2]), max(widths[2:]))
             self.assertTrue(layer.labelsEnabled())
 
+    def test_a_geopackage_has_the_looks_of_the_tool(self):
+        lines, bands, flood = (self.folder / f"{name}.gpkg" for name in ("lines", "bands", "flood"))
+        kinds = ["-i", "20", "--supplementary", "10,5", "--supplementary-spacing", "300"]
+        command("densify", CONTOURS, *kinds, "--bands", bands, "-o", lines)
+        command("derive", HEIGHTS, "--flood-level", "330", "--flood-bands", "1,5", "--flood", flood)
+        for path, paint, least in ((lines, styles.contours, 20), (bands, styles.bands, 20), (flood, None, 4)):
+            with self.subTest(path.name):
+                layer = QgsVectorLayer(str(path), "layer", "ogr")
+                layer.setLabelsEnabled(False)
+                drawn = picture(layer)
+                colors = {drawn.pixel(x, y) for x in range(drawn.width()) for y in range(drawn.height())}
+                self.assertGreater(len(colors), least)
+                if paint:
+                    paint(layer)
+                    layer.setLabelsEnabled(False)
+                    same = picture(layer)
+                    self.assertEqual(drawn.size(), same.size())
+                    self.assertEqual({same.pixel(x, y) for x in range(same.width()) for y in range(same.height())}, colors)
+        layer = QgsVectorLayer(str(lines), "lines", "ogr")
+        found = [number_of_features(layer, rule.get("filter")) for rule in style_of(layer).findall(".//renderer-v2/rules/rule")]
+        self.assertEqual(len(found), 4)
+        self.assertEqual(sum(found), layer.featureCount())
+        self.assertGreater(min(found), 0)
+
     def test_drawing_without_fields_stays_visible(self):
         layer = QgsVectorLayer("LineString?field=Layer:string", "drawing", "memory")
         before = layer.renderer().type()
@@ -75,6 +102,19 @@ class Styles(Case):
                 found = {feature[field] for feature in layer.getFeatures()}
                 self.assertGreater(len(found), 1)
                 self.assertEqual(found - known, set())
+
+
+def picture(layer):
+    """The layer as the map shows it."""
+    settings = QgsMapSettings()
+    settings.setLayers([layer])
+    settings.setExtent(layer.extent())
+    settings.setDestinationCrs(layer.crs())
+    settings.setOutputSize(QSize(300, 300))
+    job = QgsMapRendererSequentialJob(settings)
+    job.start()
+    job.waitForFinished()
+    return job.renderedImage()
 
 
 def style_of(layer):
