@@ -1,7 +1,8 @@
 //! How QGIS draws layers when it opens a GeoPackage: the table `layer_styles`.
 //!
 //! Index contours are thicker and have labels; contours of the input are darker than new ones; findings have a colour for each
-//! severity; bands have the tint of pictures; floods are darker where they are deep. A style of the user for a layer of that name is kept.
+//! severity; bands have the tint of pictures; floods are darker where they are deep. A style of the user for a layer of that name
+//! is kept.
 
 use std::fmt::Write;
 
