@@ -428,6 +428,8 @@ fn broken_geopackages_are_told_apart() {
     let path = dir.path().join("in.gpkg");
     fs::write(&path, "").unwrap();
     assert!(read_error(&path).contains("empty"));
+    fs::write(&path, "S").unwrap();
+    assert!(read_error(&path).contains("too short for a GeoPackage"));
     fs::write(&path, "this is no database, however long the text goes on, really ".repeat(50)).unwrap();
     assert!(read_error(&path).contains("not a GeoPackage"));
     fs::remove_file(&path).unwrap();

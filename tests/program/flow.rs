@@ -171,6 +171,10 @@ fn floods_come_from_the_edge_from_places_or_along_streams() {
     ends.dedup();
     let expected = [(0.0, &json!(0.5)), (0.5, &json!(1.0)), (1.0, &json!(2.0)), (2.0, &Value::Null)];
     assert_eq!(ends, expected);
+    folder.succeeds("derive dem.tif --flood bands.gpkg --flood-level 55 --flood-from 5305,7155 --flood-bands 0.5,1,2");
+    let db = rusqlite::Connection::open(folder.path("bands.gpkg")).unwrap();
+    let style: String = db.query_row("SELECT styleQML FROM layer_styles", [], |row| row.get(0)).unwrap();
+    assert!(style.contains("array_agg(depth_from)") && style.contains("fillColor"), "{style}");
     for (place, words) in [("5305,7300", "not below the level"), ("1,1", "outside the height map")] {
         let text = folder.ends(&format!("derive dem.tif --flood x.tif --flood-level 55 --flood-from {place}"), 1);
         assert!(text.contains(words), "{text}");

@@ -23,6 +23,8 @@ const FREE_STEPS: u64 = 300_000_000;
 const STEPS_PER_BYTE: u64 = 1_000;
 /// Steps between two looks at their number.
 const LOOK: i32 = 1_000_000;
+/// Length of the head of a database, bytes.
+const SHORTEST: u64 = 100;
 /// A list that grows is copied to one of twice its length.
 const GROWTH: f64 = 3.0;
 /// Rows between two looks at the memory.
@@ -59,6 +61,10 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         .query_row("SELECT count(*) FROM sqlite_master WHERE name = 'gpkg_geometry_columns'", [], |row| row.get(0))
         .map_err(|e| in_words(path, "the file is not a GeoPackage, or it is broken; copy or export it again", e))?;
     if !has_layers {
+        // The engine takes a file of one byte for a new database.
+        if std::fs::metadata(path).is_ok_and(|file| file.len() < SHORTEST) {
+            return Err(Error::file(path, "the file is too short for a GeoPackage; copy or export it again"));
+        }
         return Err(Error::file(path, "the file is a database, but not a GeoPackage with vector layers"));
     }
     limit_steps(path, &mut db).map_err(broken)?;

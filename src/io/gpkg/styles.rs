@@ -1,7 +1,8 @@
 //! How QGIS draws layers when it opens a GeoPackage: the table `layer_styles`.
 //!
 //! Index contours are thicker and have labels; contours of the input are darker than new ones; findings have a colour for each
-//! severity; bands have the tint of pictures. A style of the user for a layer of that name is kept.
+//! severity; bands have the tint of pictures; floods are darker where they are deep. A style of the user for a layer of that name
+//! is kept.
 
 use std::fmt::Write;
 
@@ -38,6 +39,8 @@ const SEVERITIES: [(&str, &str); 3] =
 
 /// The colour of water.
 const WATER: &str = "166,206,227,255";
+/// The colours of the shallowest and the deepest water of a flood, and of water between.
+const DEPTHS: &str = "0, '222,235,247', 0.5, '107,174,214', 1, '8,81,156'";
 
 /// Adds the styles of the layers that have one.
 pub(super) fn add(db: &Connection, layers: &[Layer<'_>]) -> rusqlite::Result<()> {
@@ -91,6 +94,7 @@ fn style(layer: &Layer<'_>) -> Option<String> {
         Geometry::Lines if has("elev") && has("is_index") && has("source") => Some(contours(has("kind"))),
         Geometry::Points if has("severity") && has("message") => Some(findings()),
         Geometry::Areas if has("elev_mid") && has("kind") => Some(bands()),
+        Geometry::Areas if has("depth_from") && has("depth_max") => Some(flood()),
         _ => None,
     }
 }
@@ -167,11 +171,27 @@ fn bands() -> String {
     let tint = format!(
         "if(kind = 'ground', ramp_color(create_ramp(map({stops})), if({high} &gt; {low}, ({height} - {low}) / ({high} - {low}), 0)), '{WATER}')"
     );
-    let properties = [("color", WATER), ("style", "solid"), ("outline_color", INPUT), ("outline_width", "0.1")];
+    filled(&tint, INPUT)
+}
+
+/// A tint for each range of depths, from light to dark.
+fn flood() -> String {
+    filled(
+        &format!(
+            "with_variable('all', array_sort(array_distinct(array_agg(depth_from))), ramp_color(create_ramp(map({DEPTHS})), \
+             array_find(@all, depth_from) / max(1, array_length(@all) - 1)))"
+        ),
+        "8,81,156,255",
+    )
+}
+
+/// Areas filled with the colour that an expression gives.
+fn filled(colour: &str, outline: &str) -> String {
+    let properties = [("color", WATER), ("style", "solid"), ("outline_color", outline), ("outline_width", "0.1")];
     let fill = format!(
         "<data_defined_properties><Option type=\"Map\"><Option type=\"QString\" name=\"name\" value=\"\"/>\
          <Option type=\"Map\" name=\"properties\"><Option type=\"Map\" name=\"fillColor\"><Option type=\"bool\" name=\"active\" value=\"true\"/>\
-         <Option type=\"QString\" name=\"expression\" value=\"{tint}\"/><Option type=\"int\" name=\"type\" value=\"3\"/></Option></Option>\
+         <Option type=\"QString\" name=\"expression\" value=\"{colour}\"/><Option type=\"int\" name=\"type\" value=\"3\"/></Option></Option>\
          <Option type=\"QString\" name=\"type\" value=\"collection\"/></Option></data_defined_properties></layer>"
     );
     format!(

@@ -145,6 +145,12 @@ class Tools(Case):
         self.assertSameOutput(shade, "derive", HEIGHTS, "--azimuth", "300", "--hillshade")
         self.assertGreater(count(steep), 10)
 
+    def test_flood_in_bands_of_depth(self):
+        made = self.folder / "made.gpkg"
+        self.results("derive", INPUT=HEIGHTS, FLOOD_LEVEL="350", FLOOD_BANDS="1,5", FLOOD_AREAS=made, SLOPE=self.folder / "slope.tif")
+        self.assertSameOutput(made, "derive", HEIGHTS, "--flood-level", "350", "--flood-bands", "1,5", "--flood")
+        self.assertGreater(count(made), 2)
+
     def test_derive_from_contours(self):
         aspect, direction = self.folder / "aspect.tif", self.folder / "direction.tif"
         flow, slope = self.folder / "flow.tif", self.folder / "slope.tif"

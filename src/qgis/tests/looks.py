@@ -6,16 +6,19 @@ from qgis.core import (
     QgsCategorizedSymbolRenderer,
     QgsFeatureRequest,
     QgsHillshadeRenderer,
+    QgsMapRendererSequentialJob,
+    QgsMapSettings,
     QgsProcessingContext,
     QgsProcessingOutputLayerDefinition,
     QgsProcessingUtils,
     QgsProject,
     QgsVectorLayer,
 )
+from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtXml import QDomDocument
 
 from inside import Case
-from installed import CONTOURS, NESTED
+from installed import CONTOURS, HEIGHTS, NESTED, command
 
 # Importable after the module inside.
 from tokosen import styles  # noqa: E402
@@ -47,6 +50,21 @@ class Styles(Case):
             self.assertGreater(min(widths[:2]), max(widths[2:]))
             self.assertTrue(layer.labelsEnabled())
 
+    def test_a_geopackage_has_its_own_looks(self):
+        lines, bands, flood = (self.folder / f"{name}.gpkg" for name in ("lines", "bands", "flood"))
+        kinds = ["-i", "20", "--supplementary", "10,5", "--supplementary-spacing", "300"]
+        command("densify", CONTOURS, *kinds, "--bands", bands, "-o", lines)
+        command("derive", HEIGHTS, "--flood-level", "330", "--flood-bands", "1,5", "--flood", flood)
+        for path, looks in ((bands, {"#9ec09e", "#fcf9f3"}), (flood, {"#deebf7", "#6baed6", "#08519c"})):
+            with self.subTest(path.name):
+                self.assertEqual(looks - colors_of(QgsVectorLayer(str(path), "layer", "ogr")), set())
+        layer = QgsVectorLayer(str(lines), "lines", "ogr")
+        self.assertIn("#543016", colors_of(layer))
+        found = [number_of_features(layer, rule.get("filter")) for rule in style_of(layer).findall(".//renderer-v2/rules/rule")]
+        self.assertEqual(len(found), 4)
+        self.assertEqual(sum(found), layer.featureCount())
+        self.assertGreater(min(found), 0)
+
     def test_drawing_without_fields_stays_visible(self):
         layer = QgsVectorLayer("LineString?field=Layer:string", "drawing", "memory")
         before = layer.renderer().type()
@@ -75,6 +93,20 @@ class Styles(Case):
                 found = {feature[field] for feature in layer.getFeatures()}
                 self.assertGreater(len(found), 1)
                 self.assertEqual(found - known, set())
+
+
+def colors_of(layer):
+    """The colours of the layer on a map."""
+    settings = QgsMapSettings()
+    settings.setLayers([layer])
+    settings.setExtent(layer.extent())
+    settings.setDestinationCrs(layer.crs())
+    settings.setOutputSize(QSize(900, 900))
+    job = QgsMapRendererSequentialJob(settings)
+    job.start()
+    job.waitForFinished()
+    drawn = job.renderedImage()
+    return {drawn.pixelColor(x, y).name() for x in range(drawn.width()) for y in range(drawn.height())}
 
 
 def style_of(layer):

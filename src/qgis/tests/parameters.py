@@ -18,7 +18,6 @@ LEFT_OUT = {
 LEFT_OUT_OF = {
     "densify": {"dem", "cell", "cell-degrees", "like", "cog", "compare", "report"},
     "check": {"strict"},
-    "derive": {"flood-bands"},
     "skeleton": {"triangles", "curve-mesh"},
 }
 

@@ -64,6 +64,7 @@ The repaired contours are an output of their own.
         shared.STREAM_TOLERANCE,
         shared.UNIT,
         shared.PLANE_UNIT,
+        shared.DEPTHS,
         shared.WORK_CRS,
         shared.SNAP,
         shared.TO_CRS,

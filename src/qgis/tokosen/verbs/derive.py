@@ -54,6 +54,12 @@ cannot show a slope of 5 m height.
         number("--threshold", "Streams begin at this upstream area [m²]"),
         text("--flood-level", "Flood: level of the water [m], or +H above the streams"),
         layer("--flood-from", "Flood: points where the water comes from", POINTS, advanced=True),
+        text(
+            "--flood-bands",
+            "Flood: part the areas at these depths [m]",
+            advanced=True,
+            help="Separated by commas, for instance 0.5,1,2. The fields depth_from and depth_to tell the parts apart.",
+        ),
         choice(
             "--accumulation-unit", "Flow accumulation: unit", [("cells", "cells"), ("m2", "square metres")], advanced=True
         ),
@@ -78,4 +84,13 @@ cannot show a slope of 5 m height.
         ),
         vector_output("--stream-lines", "Streams", LINES, name="STREAM_LINES", optional=True, layer="stream_lines"),
         raster_output("--flood", "Flood: depth of water", name="FLOOD", optional=True),
+        vector_output(
+            "--flood",
+            "Flood: areas with their volume",
+            POLYGONS,
+            name="FLOOD_AREAS",
+            optional=True,
+            layer="flood",
+            help="Instead of the depth of water: a run makes one of them.",
+        ),
     ]
