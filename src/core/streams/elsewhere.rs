@@ -47,11 +47,10 @@ pub(super) fn elsewhere<'a>(
         contradicted += reach.contradicted() * count as f64;
     }
     let share = contradicted / crossings.max(1) as f64;
-    eprintln!("SHARE {share} {tested}");
     (tested >= FEWEST_REACHES && share > tuning.elsewhere).then(|| {
         let message = format!(
-            "the streams are not those of these contours: {:.0} % of the {crossings} crossings of contours are on streams \
-             that run beside their valleys or upwards across contours. Look at the coordinate reference system and the unit \
+            "the streams are not those of these contours: about {:.0} % of their length runs beside the \
+             valleys or upwards across contours. Look at the coordinate reference system and the unit \
              of both files",
             100.0 * share
         );
