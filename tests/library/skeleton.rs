@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::common::{Terrain, all_kinds};
 use glam::DVec2;
 use tokosen::clean::{CleanParams, clean};
-use tokosen::contour::{Contour, ContourMap};
+use tokosen::contour::{Contour, ContourMap, clip};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, axis_heights, skeleton};
 use tokosen::subdivision::{Subdivision, subdivide};
@@ -22,9 +22,12 @@ fn tiling_of(map: ContourMap) -> Subdivision {
     subdivide(map, &Frame::Hull, &()).unwrap().value
 }
 
+/// A drawn sample, or a part of the large one.
 fn sample(name: &str) -> Subdivision {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
-    tiling_of(read_contours(&path, &ReadOptions::default()).unwrap().value)
+    let map = read_contours(&path, &ReadOptions::default()).unwrap().value;
+    let part = geo::Rect::new((745_000.0, 4_017_500.0), (748_500.0, 4_020_500.0)).to_polygon();
+    tiling_of(if name.starts_with("caryville") { clip(map, &part.into()).map } else { map })
 }
 
 fn of_terrain(terrain: &Terrain) -> Subdivision {
@@ -82,7 +85,7 @@ fn check(subdivision: &Subdivision, lines: &[BreakLine], what: &str) {
 #[test]
 fn lines_fall_on_all_kinds_of_terrain() {
     let mut canyons = 0;
-    for seed in 0..6 {
+    for seed in 0..3 {
         for terrain in all_kinds(seed) {
             let subdivision = of_terrain(&terrain);
             for resolution in [0.0, 1.0, 3.0] {
