@@ -344,10 +344,12 @@ fn rows(file: &Path, query: &str) -> Vec<Vec<rusqlite::types::Value>> {
 #[test]
 fn the_command_writes_all_layers() {
     let folder = tempfile::tempdir().unwrap();
-    let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/caryville_20m.gpkg");
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/caryville_20m.gpkg");
+    let part = ["densify", sample, "-i", "20", "--extent", "745000,4017500,748500,4020500", "-o", "part.gpkg"];
+    assert_cmd::cargo::cargo_bin_cmd!("tokosen").current_dir(folder.path()).args(part).assert().success();
     let run = |arguments: &str| {
         let mut command = assert_cmd::cargo::cargo_bin_cmd!("tokosen");
-        command.current_dir(folder.path()).arg("skeleton").arg(&input).args(arguments.split_whitespace());
+        command.current_dir(folder.path()).args(["skeleton", "part.gpkg"]).args(arguments.split_whitespace());
         let output = command.output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned() + &text)

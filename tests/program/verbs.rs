@@ -572,10 +572,10 @@ fn the_number_of_threads_changes_no_byte() {
         let input = input.display();
         let run = |what: &str| folder.succeeds(&format!("{what} -q --threads {threads}"));
         run(&format!(
-            "densify {input} -i 5,1 -o {threads}/o.gpkg --dem {threads}/d.tif --cell 2 --preview {threads}/p.png"
+            "densify {input} -i 5,1 -o {threads}/o.gpkg --dem {threads}/d.tif --cell 5 --preview {threads}/p.png"
         ));
-        run(&format!("densify {input} -i 2 -o {threads}/o.geojson --dem {threads}/d.exr --cell 2"));
-        run(&format!("densify {input} -i 2 -o {threads}/o.shp --dem {threads}/d.png --cell 2"));
+        run(&format!("densify {input} -i 2 -o {threads}/o.geojson --dem {threads}/d.exr --cell 5"));
+        run(&format!("densify {input} -i 2 -o {threads}/o.shp --dem {threads}/d.png --cell 5"));
     }
     let of = |threads: &str| {
         let inside: Vec<(PathBuf, Vec<u8>)> = folder.listing();
