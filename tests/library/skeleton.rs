@@ -22,12 +22,15 @@ fn tiling_of(map: ContourMap) -> Subdivision {
     subdivide(map, &Frame::Hull, &()).unwrap().value
 }
 
+fn read(name: &str) -> ContourMap {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
+    read_contours(&path, &ReadOptions::default()).unwrap().value
+}
+
 /// A drawn sample, or a part of the large one.
 fn sample(name: &str) -> Subdivision {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
-    let map = read_contours(&path, &ReadOptions::default()).unwrap().value;
     let part = geo::Rect::new((745_000.0, 4_017_500.0), (748_500.0, 4_020_500.0)).to_polygon();
-    tiling_of(if name.starts_with("caryville") { clip(map, &part.into()).map } else { map })
+    tiling_of(if name.starts_with("caryville") { clip(read(name), &part.into()).map } else { read(name) })
 }
 
 fn of_terrain(terrain: &Terrain) -> Subdivision {
@@ -124,7 +127,7 @@ fn arrivals(lines: &[BreakLine]) -> (usize, usize) {
 
 #[test]
 fn lines_go_on_from_sub_domain_to_sub_domain() {
-    let subdivision = sample("caryville_20m.gpkg");
+    let subdivision = tiling_of(read("caryville_20m.gpkg"));
     let found = lines_of(&subdivision, 1.0);
     check(&subdivision, &found.lines, "caryville");
     let (places, shared) = continued(&found.lines);
