@@ -192,7 +192,7 @@ fn assert_near(terrain: &Terrain, found: &DemContours, interval: f64, what: &str
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 8, ..common::draws() })]
+    #![proptest_config(ProptestConfig { cases: 4, ..common::draws() })]
 
     #[test]
     fn lines_are_apart_complete_directed_and_near(seed in 0_u64..10_000, tolerance in 0..4_usize) {

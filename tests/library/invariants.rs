@@ -42,7 +42,7 @@ fn check_terrain(terrain: &Terrain, frame: &Frame, tally: &Tally) {
 /// A few cases, the same in every run (see [`common::draws`]). PROPTEST_CASES=100 draws 100 instead.
 fn cases() -> ProptestConfig {
     let given = common::draws();
-    if std::env::var_os("PROPTEST_CASES").is_some() { given } else { ProptestConfig { cases: 6, ..given } }
+    if std::env::var_os("PROPTEST_CASES").is_some() { given } else { ProptestConfig { cases: 3, ..given } }
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn write_lines(path: &Path, lines: Vec<ContourLine>) {
     staged.commit().unwrap();
 }
 
-/// Reads what 500 damaged files hold: bytes changed, a piece cut out, the end cut off.
+/// Reads what 250 damaged files hold: bytes changed, a piece cut out, the end cut off.
 fn read_damaged(path: &Path) {
     let whole = fs::read(path).unwrap();
     let mut state = 11_u64;
@@ -110,8 +110,8 @@ fn damage_is_an_error_or_harmless() {
     for name in ["out.fgb", "out.parquet", "out.dxf"] {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join(name);
-        write_lines(&path, lines());
-        assert_eq!(read(&path).unwrap().len(), 300);
+        write_lines(&path, lines().split_off(250));
+        assert_eq!(read(&path).unwrap().len(), 50);
         read_damaged(&path);
     }
 }

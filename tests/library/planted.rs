@@ -275,7 +275,7 @@ mod random {
     }
 
     proptest! {
-        #![proptest_config(crate::common::draws())]
+        #![proptest_config(ProptestConfig { cases: 100, ..crate::common::draws() })]
 
         #[test]
         fn one_fault_at_a_time(hills in prop::collection::vec((0u8..9, 0u8..9), 3..7), which in 0usize..1000, by in 3i32..20) {

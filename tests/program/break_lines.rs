@@ -7,12 +7,12 @@ use std::fs;
 use rusqlite::Connection;
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with, run};
+use crate::running::{Running, folder_with, folder_with_part, run};
 
-/// A folder with the sample's contours as `c.gpkg` and the ridge and canyon lines of its surface, which have heights, as
+/// A folder with a part of the sample's contours as `c.gpkg` and the ridge and canyon lines of its surface, which have heights, as
 /// `lines.geojson`.
 fn folder() -> Folder {
-    let folder = folder_with("caryville_20m.gpkg", "c.gpkg");
+    let folder = folder_with_part("c.gpkg");
     folder.succeeds("skeleton c.gpkg -o lines.geojson");
     folder
 }
@@ -82,7 +82,7 @@ fn spot_heights_with_a_standard_error_count_as_far_as_it_says() {
     let folder = folder();
     let text = folder.succeeds("dem c.gpkg --cell 20 -o plain.tif");
     assert!(!text.contains("standard error"), "{text}");
-    fs::write(folder.path("p.csv"), "x,y,z,sigma\n749250,4020000,448,\n749200,4020050,449,2\n749300,4020000,449,abc\n")
+    fs::write(folder.path("p.csv"), "x,y,z,sigma\n746500,4019000,687,\n746550,4019000,692,2\n746600,4019000,702,abc\n")
         .unwrap();
     let text = folder.succeeds("dem c.gpkg --cell 20 --points p.csv --points-sigma 1 -o d.tif");
     assert!(text.contains("which is no standard error"), "{text}");
@@ -97,13 +97,13 @@ fn what_is_wrong_with_lines_is_said() {
         assert!(wrong.contains(said), "{command}: {wrong}");
         assert!(!folder.path("d.tif").exists(), "{command}");
     };
-    feature(&folder, "point.geojson", "Point", "[749250,4020000,1]", "");
+    feature(&folder, "point.geojson", "Point", "[746500,4019000,1]", "");
     ends("dem c.gpkg --cell 20 --breaklines point.geojson -o d.tif", 1, "no line");
     ends("dem c.gpkg --cell 20 --cliffs point.geojson -o d.tif", 1, "cliffs are lines");
     ends("dem c.gpkg --cell 20 --breaklines none.gpkg -o d.tif", 1, "none.gpkg");
     ends("dem c.gpkg --cell 20 --surface linear --breaklines lines.geojson -o d.tif", 2, "--breaklines has no meaning");
     ends("dem c.gpkg --cell 20 --points-sigma 1 -o d.tif", 2, "--points");
-    fs::write(folder.path("p.csv"), "x,y,z\n749250,4020000,448\n").unwrap();
+    fs::write(folder.path("p.csv"), "x,y,z\n746500,4019000,687\n").unwrap();
     ends("dem c.gpkg --cell 20 --points p.csv --points-sigma -1 -o d.tif", 2, "--points-sigma is -1");
     let text = folder.succeeds("dem c.gpkg --cell 20 --surface skeleton --cliffs lines.geojson -o e.tif");
     assert!(text.contains("only the smooth surface jumps"), "{text}");

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 use std::fs;
-use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::cargo::cargo_bin_cmd;
@@ -11,6 +10,7 @@ use serde_json::Value;
 use tokosen::io::raster::read_dem;
 
 use crate::common;
+use crate::running::part;
 
 /// These tests.
 struct Here;
@@ -33,9 +33,9 @@ impl Folder {
     }
 
     fn run(&self, arguments: &str) -> Output {
-        let arguments: Vec<String> = arguments.split_whitespace().map(|a| a.replace("SAMPLE", &sample())).collect();
-        let output = cargo_bin_cmd!("tokosen").current_dir(self.0.path()).args(&arguments).output().unwrap();
-        assert!(!stderr(&output).contains("panicked"), "{arguments:?}: {}", stderr(&output));
+        let output =
+            cargo_bin_cmd!("tokosen").current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap();
+        assert!(!stderr(&output).contains("panicked"), "{arguments}: {}", stderr(&output));
         output
     }
 
@@ -61,9 +61,13 @@ fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// The contours of the sample, and the ground that they were cut from.
-fn sample() -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join("caryville_20m").display().to_string()
+/// A folder with a part of the sample's contours, and the ground that they were cut from.
+fn with_sample() -> Folder {
+    let folder = Folder::new();
+    fs::write(folder.path("in.gpkg"), part()).unwrap();
+    fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/caryville_20m_truth.tif"), folder.path("truth.tif"))
+        .unwrap();
+    folder
 }
 
 fn number(value: &Value) -> f64 {
@@ -110,27 +114,29 @@ fn the_reference_stays_as_it_is_on_other_grids() {
 
 #[test]
 fn terraces_are_told_of_a_triangulation_and_of_nothing_else() {
-    let folder = Folder::new();
-    let linear = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear");
-    let spline = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif");
+    let folder = with_sample();
+    // On the steep ground of the part, terraces are too narrow to be seen without the contours.
+    fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/caryville_20m.gpkg"), folder.path("in.gpkg")).unwrap();
+    let linear = folder.json("compare in.gpkg truth.tif --surface linear");
+    let spline = folder.json("compare in.gpkg truth.tif");
     assert_eq!(linear["a"]["levels"]["terraced"], true, "{}", linear["a"]["levels"]);
     assert_eq!(linear["b"]["levels"]["terraced"], false, "{}", linear["b"]["levels"]);
     assert_eq!(spline["a"]["levels"]["terraced"], false, "{}", spline["a"]["levels"]);
     assert!(number(&spline["overall"]["rmse"]) < number(&linear["overall"]["rmse"]));
     // A height map made so betrays itself without its contours.
-    folder.succeeds("dem SAMPLE.gpkg --surface linear --like SAMPLE_truth.tif -o tin.tif");
-    let text = folder.succeeds("compare tin.tif SAMPLE_truth.tif");
+    folder.succeeds("dem in.gpkg --surface linear --like truth.tif -o tin.tif");
+    let text = folder.succeeds("compare tin.tif truth.tif");
     assert!(text.contains("A has terraces") && text.contains("contours 20 m apart"), "{text}");
     assert!(!text.contains("B has terraces"), "{text}");
     // The figures are those of the height map at the same cells.
-    let through_file = folder.json("compare tin.tif SAMPLE_truth.tif");
+    let through_file = folder.json("compare tin.tif truth.tif");
     assert_eq!(through_file["overall"], linear["overall"]);
 }
 
 #[test]
 fn the_keys_that_are_promised_are_there() {
-    let folder = Folder::new();
-    let found = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear --sigma 2");
+    let folder = with_sample();
+    let found = folder.json("compare in.gpkg truth.tif --surface linear --sigma 2");
     for key in [
         "sources",
         "notes",
@@ -161,27 +167,27 @@ fn the_keys_that_are_promised_are_there() {
     }
     // The contours were cut from this ground, so that hardly a cell of it is on the wrong side of one.
     assert!(number(&found["bands"]["share"]) < 0.02, "{}", found["bands"]);
-    let one = folder.succeeds("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear --sigma 2 --json --threads 1");
+    let one = folder.succeeds("compare in.gpkg truth.tif --surface linear --sigma 2 --json --threads 1");
     assert_eq!(serde_json::from_str::<Value>(&one).unwrap(), found);
 }
 
 #[test]
 fn contours_may_stand_on_either_side_and_on_both() {
-    let folder = Folder::new();
-    let ahead = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface skeleton");
-    let back = folder.json("compare SAMPLE_truth.tif SAMPLE.gpkg --surface skeleton");
+    let folder = with_sample();
+    let ahead = folder.json("compare in.gpkg truth.tif --surface skeleton");
+    let back = folder.json("compare truth.tif in.gpkg --surface skeleton");
     assert_eq!(number(&ahead["overall"]["rmse"]), number(&back["overall"]["rmse"]));
     assert_eq!(number(&ahead["overall"]["bias"]), -number(&back["overall"]["bias"]));
-    let same = folder.json("compare SAMPLE.gpkg SAMPLE.gpkg --surface skeleton --cell 50");
+    let same = folder.json("compare in.gpkg in.gpkg --surface skeleton --cell 50");
     assert_eq!(number(&same["overall"]["rmse"]), 0.0);
     assert!(same["bands"].is_null());
 }
 
 #[test]
 fn degrees_are_compared_where_they_are() {
-    let folder = Folder::new();
-    folder.succeeds("dem SAMPLE.gpkg --surface skeleton --cell-degrees 2s -o degrees.tif");
-    let found = folder.json("compare SAMPLE.gpkg degrees.tif --surface skeleton");
+    let folder = with_sample();
+    folder.succeeds("dem in.gpkg --surface skeleton --cell-degrees 2s -o degrees.tif");
+    let found = folder.json("compare in.gpkg degrees.tif --surface skeleton");
     assert!(number(&found["overall"]["highest"]["value"]) < 1e-3, "{}", found["overall"]);
     assert!(number(&found["bands"]["share"]) < 1e-3, "{}", found["bands"]);
     // Slopes are those of the ground, and not of metres over degrees.
@@ -214,10 +220,10 @@ fn places_of_findings_are_told_in_the_coordinates_of_their_file() {
 
 #[test]
 fn a_height_map_without_a_system_is_in_that_of_the_other_side() {
-    let folder = Folder::new();
-    folder.succeeds("dem SAMPLE.gpkg --surface linear --cell-degrees 2s -o named.tif");
+    let folder = with_sample();
+    folder.succeeds("dem in.gpkg --surface linear --cell-degrees 2s -o named.tif");
     // The text format keeps no system; without the file beside it the grid names none.
-    folder.succeeds("dem SAMPLE.gpkg --surface linear --cell-degrees 2s -o degrees.asc");
+    folder.succeeds("dem in.gpkg --surface linear --cell-degrees 2s -o degrees.asc");
     let prj = folder.path("degrees.prj");
     if prj.exists() {
         fs::remove_file(prj).unwrap();
@@ -244,7 +250,7 @@ fn a_height_map_without_a_system_is_in_that_of_the_other_side() {
 
 #[test]
 fn check_points_check_and_are_not_built_in() {
-    let folder = Folder::new();
+    let folder = with_sample();
     let plane = |col: usize, row: usize| 100.0 + 2.0 * col as f64 + row as f64;
     folder.put_grid("b.asc", 1000.0, [12, 9], plane).put_grid("a.asc", 1000.0, [12, 9], |c, r| plane(c, r) + 1.0);
     let point = |x: f64, y: f64, z: f64| {
@@ -273,7 +279,7 @@ fn check_points_check_and_are_not_built_in() {
     folder.fails("compare a.asc b.asc --points far.geojson", 1, "no check point");
 
     // A surface must not know the points that it is checked at.
-    let truth = read_dem(Path::new(&format!("{}_truth.tif", sample()))).unwrap().value.dem;
+    let truth = read_dem(&folder.path("truth.tif")).unwrap().value.dem;
     let (cols, rows) = (truth.grid.cols, truth.grid.rows);
     let points: Vec<String> = (1..100)
         .map(|k| (cols * (k % 10) / 10, rows * (k / 10) / 10))
@@ -282,8 +288,8 @@ fn check_points_check_and_are_not_built_in() {
         .collect();
     let file = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, points.join(","));
     fs::write(folder.path("points.geojson"), file).unwrap();
-    let plain = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear");
-    let found = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear --points points.geojson");
+    let plain = folder.json("compare in.gpkg truth.tif --surface linear");
+    let found = folder.json("compare in.gpkg truth.tif --surface linear --points points.geojson");
     assert_eq!(found["overall"], plain["overall"]);
     assert!(number(&found["a"]["points"]["rmse"]) > 0.5, "{}", found["a"]);
     assert!(number(&found["b"]["points"]["rmse"]) < 1e-3, "{}", found["b"]);
@@ -304,22 +310,22 @@ fn the_page_needs_nothing_else() {
 
 #[test]
 fn denser_contours_and_the_comparison_come_from_one_run() {
-    let folder = Folder::new();
-    let text = folder.succeeds("densify SAMPLE.gpkg -i 10 -o o.gpkg --compare SAMPLE_truth.tif --report page.html");
+    let folder = with_sample();
+    let text = folder.succeeds("densify in.gpkg -i 10 -o o.gpkg --compare truth.tif --report page.html");
     assert!(folder.path("o.gpkg").exists() && folder.path("page.html").exists());
-    let alone = folder.succeeds("compare SAMPLE.gpkg SAMPLE_truth.tif");
+    let alone = folder.succeeds("compare in.gpkg truth.tif");
     // The smooth surface is on its own grid there, and on that of the height map here.
     let cells = |text: &str| text.lines().find(|line| line.starts_with("all cells")).unwrap().to_owned();
     let (here, there) = (cells(&text), cells(&alone));
     assert_eq!(here.split_whitespace().nth(2), there.split_whitespace().nth(2), "{here} {there}");
-    folder.fails("densify SAMPLE.gpkg -i 10 -o p.gpkg --compare SAMPLE.gpkg", 1, "holds contours");
-    folder.fails("densify SAMPLE.gpkg -i 10 -o p.gpkg --report q.html", 2, "--compare");
+    folder.fails("densify in.gpkg -i 10 -o p.gpkg --compare in.gpkg", 1, "holds contours");
+    folder.fails("densify in.gpkg -i 10 -o p.gpkg --report q.html", 2, "--compare");
     assert!(!folder.path("p.gpkg").exists());
 }
 
 #[test]
 fn what_cannot_be_compared_is_told() {
-    let folder = Folder::new();
+    let folder = with_sample();
     folder.put_grid("a.asc", 1000.0, [4, 4], |c, _| c as f64).put_grid("far.asc", 9000.0, [4, 4], |c, _| c as f64);
     folder.put_grid("void.asc", 1000.0, [4, 4], |_, _| -9999.0);
     folder.fails("compare a.asc far.asc", 1, "overlap");
@@ -327,7 +333,7 @@ fn what_cannot_be_compared_is_told() {
     folder.fails("compare a.asc missing.tif", 1, "missing.tif");
     fs::write(folder.path("notes.txt"), "x").unwrap();
     folder.fails("compare a.asc notes.txt", 1, "neither a height map");
-    folder.fails("compare SAMPLE.gpkg SAMPLE.gpkg", 2, "--cell");
+    folder.fails("compare in.gpkg in.gpkg", 2, "--cell");
     folder.fails("compare a.asc a.asc --cell 5", 2, "--cell");
     folder.fails("compare a.asc a.asc --surface linear", 2, "--surface applies to contours");
     folder.fails("compare a.asc a.asc --unit ft", 2, "--unit applies to contours");

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
 
 use geo::{BoundingRect, Coord, MapCoords};
 use glam::DVec2;
@@ -17,7 +16,7 @@ use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights, heights_on};
 
 use crate::common;
 use crate::maps::put;
-use crate::running::Running;
+use crate::running::{Running, part};
 
 /// These tests.
 struct Here;
@@ -86,8 +85,8 @@ fn farthest(a: &ContourMap, b: &ContourMap, reach: f64) -> f64 {
 #[test]
 fn degrees_give_the_lines_of_the_plane_with_every_input_vertex_as_it_was() {
     let folder = Folder::new();
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/caryville_20m.gpkg");
-    let plane = read_contours(&sample, &ReadOptions::default()).unwrap().value;
+    std::fs::write(folder.path("part.gpkg"), part()).unwrap();
+    let plane = folder.read("part.gpkg");
     let utm = plane.crs.clone().unwrap();
     let way = Transform::between(&Crs::wgs84(), &utm).unwrap();
     let degrees = moved(&plane, &way, &Crs::wgs84());

@@ -7,7 +7,7 @@ use std::fs;
 use serde_json::Value;
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with, folder_with_part};
 
 fn about(folder: &Folder, name: &str) -> Value {
     serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap()
@@ -46,7 +46,7 @@ fn each_program_gets_its_sizes_and_heights_come_back_by_its_rule() {
 
 #[test]
 fn a_stac_item_lies_beside_a_cog() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let part = "--extent 745000,4018000,746000,4019000";
     folder.succeeds(&format!("dem in.gpkg {part} --cell 20 --cog --stac 2016-10-01 -o a.tif"));
     let item = about(&folder, "a.json");

@@ -6,7 +6,7 @@ use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_contours};
 
 use crate::guide_pages::{commands, inputs, run, words};
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with_part};
 
 const PAGE: &str = include_str!("../../src/guide/everyday.md");
 
@@ -47,7 +47,7 @@ fn every_command_of_the_page_runs() {
 
 #[test]
 fn lines_at_levels_of_the_input_need_no_surface() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let text = folder.succeeds("densify in.gpkg -i 40 -o coarse.geojson");
     assert!(text.contains("surface    none"), "{text}");
     // With a picture the surface is made. The lines are the same.

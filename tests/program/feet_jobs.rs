@@ -7,7 +7,7 @@ use std::fs;
 use serde_json::{Value, json};
 
 use crate::common;
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with, part};
 
 /// These tests.
 struct Here;
@@ -155,7 +155,8 @@ fn errors_of_a_clip_name_its_file_and_a_polygon() {
 
 #[test]
 fn plans_say_what_they_remove_and_how_large_tiles_are() {
-    let folder = folder_with("caryville_20m.gpkg", "all.gpkg");
+    let folder = Folder::new();
+    fs::write(folder.path("all.gpkg"), part()).unwrap();
     folder.succeeds("densify all.gpkg -i 20 --extent 745000,4018500,747000,4020000 -o in.gpkg --surface linear");
     folder.succeeds("plan in.gpkg --cell 20 --tile-side 800 -o plan");
     folder.succeeds("work plan");

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-use crate::running::{run, said, tokosen};
+use crate::running::{part, run, said, tokosen};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)
@@ -173,10 +173,10 @@ mod unix {
     #[test]
     fn a_program_that_shall_outlive_its_terminal_does() {
         let dir = folder();
-        fs::copy(sample("caryville_20m.gpkg"), dir.path().join("big.gpkg")).unwrap();
+        fs::write(dir.path().join("part.gpkg"), part()).unwrap();
         let before = names(dir.path());
         let line = format!(
-            "trap '' HUP; exec {} densify big.gpkg -i 5 -o out.gpkg -q",
+            "trap '' HUP; exec {} densify part.gpkg -i 5 -o out.gpkg -q",
             tokosen().get_program().to_string_lossy()
         );
         let mut child = Command::new("sh").current_dir(dir.path()).args(["-c", &line]).spawn().unwrap();

@@ -57,9 +57,9 @@ fn assert_nothing_crosses(lines: &[Line]) {
 #[test]
 fn supplementary_contours_are_pieces_where_the_ground_is_flat() {
     let folder = folder_with_part("in.gpkg");
-    let make = "densify in.gpkg -i 20 --supplementary 10,5 --supplementary-spacing 300 -o";
+    let make = "densify in.gpkg -i 20 --supplementary 10,5 --supplementary-spacing 150 -o";
     let said = folder.succeeds(&format!("{make} map.geojson"));
-    assert!(said.contains("supplementary contours at half of the interval") && said.contains("300 m apart"), "{said}");
+    assert!(said.contains("supplementary contours at half of the interval") && said.contains("150 m apart"), "{said}");
     folder.succeeds("densify in.gpkg -i 5 -o all.geojson");
     let (map, all) = (lines(&folder, "map.geojson"), lines(&folder, "all.geojson"));
     let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
@@ -90,14 +90,14 @@ fn supplementary_contours_are_pieces_where_the_ground_is_flat() {
     let share = length(&map) / length(&all);
     assert!((0.005..0.2).contains(&share), "{share}");
     for line in map.iter().filter(is_new) {
-        assert!(line.is_ring() || line.length() >= 200.0, "{} at {}", line.length(), line.elevation);
+        assert!(line.is_ring() || line.length() >= 100.0, "{} at {}", line.length(), line.elevation);
         // Along most of a piece, the contours beside it are far apart.
         let below = (line.elevation / 20.0).floor() * 20.0;
         let [lower, upper] = [below, below + 20.0].map(|level| {
             let own = map.iter().filter(|other| other.elevation == level && !other.kind.starts_with("supplementary"));
             Course::of(own.map(|other| &other.points[..]))
         });
-        let apart = |p: &&DVec2| lower.distance(**p) + upper.distance(**p) >= 200.0;
+        let apart = |p: &&DVec2| lower.distance(**p) + upper.distance(**p) >= 100.0;
         let is_far = line.points.iter().filter(apart).count() * 3 >= line.points.len() * 2;
         assert!(line.is_ring() || is_far, "{} at {}", line.kind, line.points[0]);
     }
@@ -187,7 +187,7 @@ fn what_makes_no_sense_is_said() {
 #[test]
 fn kinds_are_in_every_format_and_in_pictures() {
     let folder = folder_with_part("in.gpkg");
-    let make = "densify in.gpkg -i 20 --supplementary 10,5 --supplementary-spacing 300";
+    let make = "densify in.gpkg -i 20 --supplementary 10,5 --supplementary-spacing 150";
     folder.succeeds(&format!("{make} -o map.dxf --preview map.svg"));
     let text = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
     for layer in [

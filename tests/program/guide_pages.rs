@@ -5,11 +5,13 @@
 use std::path::Path;
 
 use glam::DVec2;
+use tokosen::base::Grid;
 use tokosen::contour::{Contour, ContourMap};
 use tokosen::crs::Crs;
 use tokosen::io::layer::{Geometry, Layer, Row, Shape};
-use tokosen::io::raster::read_dem;
+use tokosen::io::raster::{read_dem, write_dem};
 use tokosen::io::{StagedOutput, write_layers};
+use tokosen::raster::Dem;
 
 use crate::common::Folder;
 use crate::maps::put;
@@ -50,11 +52,22 @@ fn square(middle: DVec2, half: f64) -> Vec<DVec2> {
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|p| middle + half * DVec2::from(p)).to_vec()
 }
 
-/// The files that commands of the guide read, made of a third of the sample.
+/// The cells of a height map from a corner in the north-west on, as many as cover the part of the sample.
+fn cut(dem: &Dem, corner: [f64; 2]) -> Dem {
+    let (first, size) = (dem.grid.place(DVec2::from(corner)).round(), [130, 115]);
+    let [col, row] = first.to_array().map(|at| at as usize);
+    let corner = dem.grid.corner + DVec2::new(1.0, -1.0) * dem.grid.cell * first;
+    let values = (row..row + size[1]).flat_map(|row| &dem.values[row * dem.grid.cols + col..][..size[0]]);
+    let grid = Grid { corner, cols: size[0], rows: size[1], ..dem.grid };
+    Dem { grid, values: values.copied().collect(), ..dem.clone() }
+}
+
+/// The files that commands of the guide read, made of a part of the sample.
 pub fn inputs() -> Folder {
     let folder = folder_with_part("contours.gpkg");
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
-    std::fs::copy(samples.join("caryville_20m_truth.tif"), folder.path("published_dem.tif")).unwrap();
+    let truth = cut(&read_dem(&samples.join("caryville_20m_truth.tif")).unwrap().value.dem, [744_800.0, 4_020_700.0]);
+    write_dem(&folder.path("published_dem.tif"), &truth).unwrap();
     std::fs::create_dir(folder.path("sheets")).unwrap();
     for command in [
         "tokosen densify contours.gpkg -i 20 -o degrees.gpkg --to-crs EPSG:4326",
@@ -65,7 +78,7 @@ pub fn inputs() -> Folder {
     ] {
         run(&folder, command);
     }
-    for (name, middle) in [("quarry", [745_200.0, 4_022_150.0]), ("wrong_lines", [750_000.0, 4_020_000.0])] {
+    for (name, middle) in [("quarry", [745_800.0, 4_018_200.0]), ("wrong_lines", [747_800.0, 4_019_900.0])] {
         let ring = square(DVec2::from(middle), 150.0).iter().map(|p| p.to_array()).collect::<Vec<_>>();
         let text = format!(
             r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:32616"}}}},
@@ -73,7 +86,7 @@ pub fn inputs() -> Folder {
         );
         std::fs::write(folder.path(&format!("{name}.geojson")), text).unwrap();
     }
-    let ring = "[[746000,4018000],[749500,4019000],[747500,4022000],[746000,4018000]]";
+    let ring = "[[745500,4018000],[748000,4018500],[746500,4020000],[745500,4018000]]";
     let district = format!(
         r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"urn:ogc:def:crs:EPSG::32616"}}}},
         "features":[{{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[{ring}]}}}}]}}"#
@@ -81,7 +94,7 @@ pub fn inputs() -> Folder {
     std::fs::write(folder.path("district.geojson"), district).unwrap();
 
     let road = r#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:32616"}},"features":[{"type":"Feature",
-        "properties":{},"geometry":{"type":"LineString","coordinates":[[746000,4018500],[748000,4019500],[748500,4021500]]}}]}"#;
+        "properties":{},"geometry":{"type":"LineString","coordinates":[[745500,4018000],[747500,4019000],[748000,4020300]]}}]}"#;
     std::fs::write(folder.path("road.geojson"), road).unwrap();
 
     let area = |middle: DVec2| Row { shape: Shape::Area(vec![square(middle, 40.0)]), cells: Vec::new() };
@@ -104,7 +117,6 @@ pub fn inputs() -> Folder {
     let map = ContourMap { contours, crs: Some(Crs::from_epsg(32616)), ..ContourMap::default() };
     put(&folder.path("coast.gpkg"), &map, "contours");
 
-    let truth = read_dem(&folder.path("published_dem.tif")).unwrap().value.dem;
     let mut spots = "x,y,z\n".to_owned();
     for share in [3, 4, 5] {
         let (col, row) = (truth.grid.cols * share / 10, truth.grid.rows * share / 10);

@@ -58,7 +58,7 @@ fn a_strip_of_long_straight_lines_has_no_more_nodes_than_its_vertices_need() {
     let dir = folder(&(0..6).map(line).collect::<Vec<_>>());
     // 4 million nodes take 500 MB. The limit is for the address space, which is larger than the memory that is used.
     let program = assert_cmd::cargo::cargo_bin!("tokosen");
-    let line = format!("ulimit -v 2500000; exec {} dem map.geojson --cell 1 -o a.tif --threads 2", program.display());
+    let line = format!("ulimit -v 2500000; exec {} dem map.geojson --cell 1 -o a.asc --threads 2", program.display());
     let output = Command::new("sh").current_dir(dir.path()).args(["-c", &line]).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
 }
@@ -90,7 +90,7 @@ fn a_view_without_end_is_told() {
     let line = "x'47500001FFFFFFFF01020000000200000000000000000000000000000000000000000000000000F03F000000000000F03F'";
     endless(&dir.path().join("full.gpkg"), line, "1");
     let program = assert_cmd::cargo::cargo_bin!("tokosen");
-    let line = format!("ulimit -v 1500000; exec {} check full.gpkg --threads 2", program.display());
+    let line = format!("ulimit -v 500000; exec {} check full.gpkg --threads 2", program.display());
     let output = Command::new("sh").current_dir(dir.path()).args(["-c", &line]).output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(said(&output).contains("of memory"), "{}", said(&output));

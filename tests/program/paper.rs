@@ -7,9 +7,9 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with, folder_with_part};
 
-/// A part of the large sample that is quick to work on, 2000 x 1500 m.
+/// A part of the sample that is quick to work on, 2000 x 1500 m.
 const PART: &str = "--extent 745000,4018500,747000,4020000 --surface linear";
 
 /// The width of the map in an SVG, millimetres.
@@ -38,7 +38,7 @@ fn streams(pdf: &[u8]) -> Vec<Vec<u8>> {
 
 #[test]
 fn a_map_has_its_scale_title_and_source_as_text() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let said = folder.succeeds(&format!(
         "densify in.gpkg -i 10 -o out.gpkg --preview map.svg --scale 1:12500 --paper A4 --title Caryville --source USGS {PART}"
     ));
@@ -59,7 +59,7 @@ fn a_map_has_its_scale_title_and_source_as_text() {
 
 #[test]
 fn a_pdf_has_lines_and_text_in_an_embedded_font() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let make = format!("densify in.gpkg -i 10 -o out.gpkg --preview map.pdf --scale 10000 --title Caryville {PART}");
     folder.succeeds(&make);
     let pdf = fs::read(folder.path("map.pdf")).unwrap();
@@ -84,7 +84,7 @@ fn a_pdf_has_lines_and_text_in_an_embedded_font() {
 
 #[test]
 fn a_clip_has_its_outline_and_no_ground_around_it() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let ring = "[[745000,4018500],[747000,4018700],[746000,4020000],[745000,4018500]]";
     let clip = format!(
         r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"urn:ogc:def:crs:EPSG::32616"}}}},

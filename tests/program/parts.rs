@@ -9,10 +9,10 @@ use tokosen::io::{ReadOptions, read_contours};
 use tokosen::raster::Dem;
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with, folder_with_part};
 
 /// The extent of the part in the sample.
-const EXTENT: [f64; 4] = [745_000.0, 4_022_000.0, 746_500.0, 4_023_200.0];
+const EXTENT: [f64; 4] = [745_500.0, 4_018_200.0, 747_000.0, 4_019_400.0];
 
 fn lines(folder: &Folder, name: &str) -> ContourMap {
     read_contours(&folder.path(name), &ReadOptions::default()).unwrap().value
@@ -29,7 +29,7 @@ fn is_in(p: DVec2) -> bool {
 
 #[test]
 fn heights_of_a_part_are_those_of_the_whole_map() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let given = EXTENT.map(|v| v.to_string()).join(",");
     folder.succeeds("dem in.gpkg --cell 20 -o whole.tif");
     folder.succeeds(&format!("dem in.gpkg --cell 20 --extent {given} -o part.tif"));
@@ -51,7 +51,7 @@ fn heights_of_a_part_are_those_of_the_whole_map() {
 
 #[test]
 fn lines_of_a_part_end_at_its_border_and_keep_their_vertices() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let given = EXTENT.map(|v| v.to_string()).join(",");
     folder.succeeds(&format!("densify in.gpkg -i 10 --extent {given} -o part.gpkg --preview part.png"));
     let (input, part) = (lines(&folder, "in.gpkg"), lines(&folder, "part.gpkg"));
@@ -104,11 +104,11 @@ fn a_ring_that_is_cut_open_marks_no_depression() {
 
 #[test]
 fn a_part_can_be_in_another_system_or_a_polygon() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
-    let degrees = "-84.268,36.314,-84.257,36.320";
+    let folder = folder_with_part("in.gpkg");
+    let degrees = "-84.255,36.280,-84.244,36.286";
     let text = folder.succeeds(&format!("dem in.gpkg --cell 20 --extent {degrees} --extent-crs EPSG:4326 -o part.tif"));
     assert!(heights(&folder, "part.tif").values.iter().any(|v| v.is_finite()), "{text}");
-    let ring = "[[745000,4022000],[746500,4022000],[745000,4023200],[745000,4022000]]";
+    let ring = "[[745500,4018200],[747000,4018200],[745500,4019400],[745500,4018200]]";
     let polygon = format!(
         r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"urn:ogc:def:crs:EPSG::32616"}}}},
         "features":[{{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[{ring}]}}}}]}}"#

@@ -8,9 +8,9 @@ use std::io::Read;
 
 use tokosen::io::{ReadOptions, read_contours};
 
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with, folder_with_part};
 
-/// A part of the large sample that is quick to work on.
+/// A part of the sample that is quick to work on.
 const PART: &str = "--extent 745000,4018500,747000,4020000 --surface linear";
 
 /// What stands between a start and an end, each time.
@@ -20,7 +20,7 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> Vec<&'a str> {
 
 #[test]
 fn contours_for_a_phone_are_named_by_their_elevation_and_lie_on_wgs_84() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     let said = folder.succeeds(&format!("densify in.gpkg -i 10 -o phone.kml {PART}"));
     assert!(said.contains("phone.kml, layer contours_10m"), "{said}");
     let text = fs::read_to_string(folder.path("phone.kml")).unwrap();
@@ -62,7 +62,7 @@ fn contours_for_a_phone_are_named_by_their_elevation_and_lie_on_wgs_84() {
 
 #[test]
 fn an_archive_holds_the_same_document_and_is_much_smaller() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     folder.succeeds(&format!("densify in.gpkg -i 20,10 --to-unit ft --labels=40 -o phone.kmz {PART}"));
     let mut archive = zip::ZipArchive::new(File::open(folder.path("phone.kmz")).unwrap()).unwrap();
     let mut text = String::new();

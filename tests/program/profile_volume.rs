@@ -148,9 +148,9 @@ fn a_profile_follows_the_ground() {
 #[test]
 fn contours_have_errors_of_their_own() {
     let folder = folder_with_part("in.gpkg");
-    let road = "[[745000,4018000],[749000,4021000]]";
+    let road = "[[745200,4017700],[748300,4020300]]";
     fs::write(folder.path("line.geojson"), geojson("LineString", road).replace("6677", "32616")).unwrap();
-    folder.succeeds("profile in.gpkg --line line.geojson --step 50 -o p.csv");
+    folder.succeeds("profile in.gpkg --line line.geojson --step 30 -o p.csv");
     let text = fs::read_to_string(folder.path("p.csv")).unwrap();
     let errors: Vec<f64> = text.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
     assert!(errors.len() > 100 && errors.iter().all(|error| (0.0..10.0).contains(error)), "{errors:?}");

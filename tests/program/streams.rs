@@ -13,7 +13,7 @@ use tokosen::io::{ReadOptions, read_features};
 use tokosen::streams::StreamLine;
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with, folder_with_part};
+use crate::running::{Running, folder_with_part};
 
 /// A folder with a part of the sample as `c.gpkg`, and its canyon lines as `streams.gpkg`, in their layer `skeleton`.
 fn folder() -> Folder {
@@ -68,7 +68,7 @@ fn rises(height_map: &Path, diagnostics: &Path) -> f32 {
 
 #[test]
 fn a_height_map_falls_along_its_streams_and_the_summary_tells_of_them() {
-    let folder = with_streams(folder_with("caryville_20m.gpkg", "c.gpkg"));
+    let folder = folder();
     let text = folder.succeeds("dem c.gpkg --cell 10 --streams streams.gpkg -o d.tif --diagnostics used.gpkg");
     assert!(text.contains("streams  ") && text.contains("used.gpkg"), "{text}");
     assert!(used(&folder.path("used.gpkg")) > 20, "{text}");
@@ -119,7 +119,7 @@ fn a_stream_without_a_place_in_the_system_of_the_contours_is_left_out_with_a_fin
 #[test]
 fn findings_about_streams_state_lengths_in_metres() {
     let folder = folder_with_part("c.gpkg");
-    let line = r#"{"type":"LineString","coordinates":[[740000,4022100],[750000,4022100]]}"#;
+    let line = r#"{"type":"LineString","coordinates":[[740000,4019100],[750000,4019100]]}"#;
     let crs = r#""crs":{"type":"name","properties":{"name":"EPSG:32616"}}"#;
     let feature = format!(r#"{{"type":"Feature","properties":{{}},"geometry":{line}}}"#);
     let all = format!(r#"{{"type":"FeatureCollection",{crs},"features":[{feature}]}}"#);

@@ -10,6 +10,7 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use rusqlite::Connection;
 
 use crate::common;
+use crate::running::part;
 
 /// These tests.
 struct Here;
@@ -571,10 +572,10 @@ fn the_number_of_threads_changes_no_byte() {
         let input = input.display();
         let run = |what: &str| folder.succeeds(&format!("{what} -q --threads {threads}"));
         run(&format!(
-            "densify {input} -i 5,1 -o {threads}/o.gpkg --dem {threads}/d.tif --cell 2 --preview {threads}/p.png"
+            "densify {input} -i 5,1 -o {threads}/o.gpkg --dem {threads}/d.tif --cell 5 --preview {threads}/p.png"
         ));
-        run(&format!("densify {input} -i 2 -o {threads}/o.geojson --dem {threads}/d.exr --cell 2"));
-        run(&format!("densify {input} -i 2 -o {threads}/o.shp --dem {threads}/d.png --cell 2"));
+        run(&format!("densify {input} -i 2 -o {threads}/o.geojson --dem {threads}/d.exr --cell 5"));
+        run(&format!("densify {input} -i 2 -o {threads}/o.shp --dem {threads}/d.png --cell 5"));
     }
     let of = |threads: &str| {
         let inside: Vec<(PathBuf, Vec<u8>)> = folder.listing();
@@ -680,8 +681,7 @@ fn regions_are_written_in_every_format_with_a_picture() {
 #[test]
 fn depression_marks_of_other_programs_are_checked_and_our_own_agree() {
     let folder = Folder::new();
-    let input = sample("caryville_20m.gpkg").display().to_string();
-    folder.succeeds(&format!("densify {input} -i 10 -o dense.geojson"));
+    folder.put("in.gpkg", part()).succeeds("densify in.gpkg -i 10 -o dense.geojson");
     let (said, told) = folder.succeeds("regions dense.geojson -o areas.geojson");
     assert!(said.contains("findings   none\n") && told.is_empty(), "{said}{told}");
 
@@ -798,9 +798,9 @@ fn water_that_cannot_be_used() {
 #[test]
 fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let folder = Folder::new();
-    let input = sample("caryville_20m.gpkg");
-    let dem = format!("dem {} --cell 20 -o dem.tif", input.display());
-    let (plain, _) = folder.succeeds(&dem);
+    folder.put("in.gpkg", part());
+    let dem = "dem in.gpkg --cell 20 -o dem.tif";
+    let (plain, _) = folder.succeeds(dem);
     for words in ["smooth; smoothness chosen automatically", "expected error of heights: about ", " m (RMSE); 90 % of"]
     {
         assert!(plain.contains(words), "no {words:?} in {plain}");

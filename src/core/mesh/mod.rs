@@ -11,8 +11,7 @@ mod light;
 mod print;
 mod validate;
 
-use std::collections::HashSet;
-
+use foldhash::HashSet;
 use geo::MultiPolygon;
 use glam::{DVec2, DVec3, Vec3};
 

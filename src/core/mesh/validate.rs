@@ -1,6 +1,6 @@
 //! Checks what must hold for every mesh, however it was made.
 
-use std::collections::HashSet;
+use foldhash::{HashSet, HashSetExt};
 
 use robust::{Coord, orient2d};
 

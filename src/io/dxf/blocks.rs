@@ -158,12 +158,11 @@ impl<'b, 'a> Walk<'_, 'b, 'a> {
         }
         self.open.push(key);
         let copies = Copies::of(insert, block.base)?;
-        for (column, row) in
-            (0..copies.counts[0]).flat_map(|column| (0..copies.counts[1]).map(move |row| (column, row)))
-        {
+        let [columns, rows] = copies.counts;
+        // Copies of an empty block take time as well.
+        self.spend(usize::try_from(columns.saturating_mul(rows)).unwrap_or(usize::MAX), insert)?;
+        for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
             let placement = around.of(&copies.at(column, row));
-            // A copy of an empty block takes time as well.
-            self.spend(1, insert)?;
             for item in &block.items {
                 self.spend(item.entity.len() + item.line.as_ref().map_or(0, |line| line.points.len()), insert)?;
                 let own = layer_of(&item.entity);

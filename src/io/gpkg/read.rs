@@ -17,8 +17,8 @@ use tokosen_core::crs::Crs;
 use tokosen_core::features::Role;
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
-/// three seconds. A view that joins itself can go on for ever.
-const FREE_STEPS: u64 = 300_000_000;
+/// a second. A view that joins itself can go on for ever.
+const FREE_STEPS: u64 = 100_000_000;
 /// Further steps for each byte of the file.
 const STEPS_PER_BYTE: u64 = 1_000;
 /// Steps between two looks at their number.

@@ -19,6 +19,15 @@ def names_of_examples(doctest_namespace, tmp_path):
     doctest_namespace.update(tokosen=tokosen, np=numpy, folder=tmp_path, samples=SAMPLES)
 
 
+@pytest.fixture(scope="session")
+def part(tmp_path_factory):
+    """A part of the large sample, 3500 x 3000 m."""
+    path = tmp_path_factory.mktemp("part") / "part.gpkg"
+    given = [SAMPLES / "caryville_20m.gpkg", "-i", "20", "--extent", "745000,4017500,748500,4020500", "-o", path, "-q"]
+    subprocess.run([sys.executable, "-m", "tokosen", "densify", *map(str, given)], check=True)
+    return path
+
+
 @pytest.fixture
 def program(tmp_path):
     """Runs the program of the package in the folder of the test."""

@@ -8,7 +8,6 @@ import pytest
 import tokosen
 from conftest import SAMPLES
 
-REAL = SAMPLES / "caryville_20m.gpkg"
 DRAWN = SAMPLES / "fig1f_nested.geojson"
 
 
@@ -47,8 +46,8 @@ def test_the_form_follows_the_contours_unless_it_is_named():
     assert len(back) > len(example) and back.crs == example.crs
 
 
-def test_heights_are_the_array_itself():
-    dem = tokosen.dem(REAL, 60, uncertainty=True)
+def test_heights_are_the_array_itself(part):
+    dem = tokosen.dem(part, 60, uncertainty=True)
     assert dem.values is dem.values and dem.values.flags.c_contiguous and dem.values.dtype == np.float32
     assert np.shares_memory(np.asarray(dem), dem.values) and np.shares_memory(dem.to_xarray().values, dem.values)
     assert dem.error.shape == dem.values.shape and np.nanmin(dem.error) >= 0
@@ -57,8 +56,8 @@ def test_heights_are_the_array_itself():
     assert np.isclose(east - west, 60 * columns) and np.isclose(north - south, 60 * rows)
 
 
-def test_xarray_goes_both_ways():
-    dem = tokosen.dem(REAL, 60)
+def test_xarray_goes_both_ways(part):
+    dem = tokosen.dem(part, 60)
     array = dem.to_xarray()
     again = tokosen.derive(array, "slope")
     assert again.transform == dem.transform and again.crs == dem.crs
@@ -66,9 +65,9 @@ def test_xarray_goes_both_ways():
     assert np.array_equal(tokosen.derive(turned, "slope").values, again.values, equal_nan=True)
 
 
-def test_files_of_rasterio_and_pyogrio_agree(tmp_path):
+def test_files_of_rasterio_and_pyogrio_agree(part, tmp_path):
     rasterio = pytest.importorskip("rasterio")
-    dem = tokosen.dem(REAL, 60, uncertainty=True)
+    dem = tokosen.dem(part, 60, uncertainty=True)
     dem.to_file(tmp_path / "d.tif", cog=True)
     with rasterio.open(tmp_path / "d.tif") as file:
         assert tuple(file.transform)[:6] == dem.transform

@@ -13,14 +13,10 @@ import shapely
 import tokosen
 from conftest import SAMPLES
 
-# Sample, interval, cell.
-REAL = ("caryville_20m.gpkg", 10, 30)
-
-
-def cases():
-    drawn = [(path.name, 2.5, 3) for path in sorted(SAMPLES.glob("*.geojson"))]
-    assert len(drawn) >= 10
-    return [REAL, *drawn]
+def drawn():
+    found = sorted(SAMPLES.glob("*.geojson"))
+    assert len(found) >= 10
+    return found
 
 
 def read(path):
@@ -58,9 +54,9 @@ def numbers(layer):
     return coords, layer["elev"].to_numpy()
 
 
-@pytest.mark.parametrize(("name", "interval", "cell"), cases())
-def test_contours_and_heights_are_those_of_the_program(name, interval, cell, program, tmp_path):
-    path = SAMPLES / name
+@pytest.mark.parametrize("sample", [None, *drawn()], ids=lambda path: path.stem if path else "part")
+def test_contours_and_heights_are_those_of_the_program(sample, part, program, tmp_path):
+    path, interval, cell = (sample, 2.5, 10) if sample else (part, 10, 30)
     program("densify", path, "-i", interval, "-o", "lines.gpkg", "-q")
     program("dem", path, "--cell", cell, "-o", "dem.tif", "-q")
     wanted = numbers(pyogrio.read_dataframe(tmp_path / "lines.gpkg"))
@@ -75,22 +71,20 @@ def test_contours_and_heights_are_those_of_the_program(name, interval, cell, pro
     assert count >= 4
 
 
-def test_files_have_the_bytes_of_the_program(program, tmp_path):
-    path = SAMPLES / REAL[0]
-    program("dem", path, "--cell", 60, "--uncertainty", "-o", "a.tif", "-q")
-    tokosen.dem(path, 60, uncertainty=True).to_file(tmp_path / "b.tif")
+def test_files_have_the_bytes_of_the_program(part, program, tmp_path):
+    program("dem", part, "--cell", 60, "--uncertainty", "-o", "a.tif", "-q")
+    tokosen.dem(part, 60, uncertainty=True).to_file(tmp_path / "b.tif")
     assert (tmp_path / "a.tif").read_bytes() == (tmp_path / "b.tif").read_bytes()
-    program("densify", path, "-i", 10, "-o", "a.geojson", "-q")
-    tokosen.densify(path, 10).to_file(tmp_path / "b.geojson")
+    program("densify", part, "-i", 10, "-o", "a.geojson", "-q")
+    tokosen.densify(part, 10).to_file(tmp_path / "b.geojson")
     assert (tmp_path / "a.geojson").read_text() == (tmp_path / "b.geojson").read_text()
 
 
-def test_other_layers_are_those_of_the_program(program, tmp_path):
-    path = SAMPLES / REAL[0]
+def test_other_layers_are_those_of_the_program(part, program, tmp_path):
     for verb, make in (("regions", tokosen.regions), ("skeleton", tokosen.skeleton)):
-        program(verb, path, "-o", f"{verb}.gpkg", "-q")
+        program(verb, part, "-o", f"{verb}.gpkg", "-q")
         wanted = geopandas.read_file(tmp_path / f"{verb}.gpkg")
-        found = make(path, output="geopandas")
+        found = make(part, output="geopandas")
         assert list(found.columns) == list(wanted.columns) and len(found) == len(wanted) > 10
         assert found.geometry.to_wkb().equals(wanted.geometry.to_wkb())
         for column in wanted.columns.drop("geometry"):
@@ -178,9 +172,9 @@ def test_contours_for_a_map_are_those_of_the_program(program, tmp_path):
         tokosen.densify(path, 5, supplementary=2)
 
 
-def test_contours_of_a_part_of_a_height_map_are_those_of_the_program(program, tmp_path):
+def test_contours_of_a_part_of_a_height_map_are_those_of_the_program(part, program, tmp_path):
     truth = SAMPLES / "caryville_20m_truth.tif"
-    west, south, east, north = pyogrio.read_info(SAMPLES / REAL[0])["total_bounds"]
+    west, south, east, north = pyogrio.read_info(part)["total_bounds"]
     middle = ((west + east) / 2, (south + north) / 2)
     circle = geopandas.GeoDataFrame(geometry=[shapely.Point(*middle).buffer(800)], crs=32616)
     circle.to_crs(4326).to_file(tmp_path / "circle.gpkg")
@@ -206,10 +200,10 @@ def test_contours_of_a_part_of_a_height_map_are_those_of_the_program(program, tm
             tokosen.contour(truth, 20, **wrong)
 
 
-def test_a_comparison_has_the_figures_of_the_program(program):
-    path, truth = SAMPLES / REAL[0], SAMPLES / "caryville_20m_truth.tif"
-    wanted = json.loads(program("compare", path, truth, "--json", "-q").stdout)
-    found = tokosen.compare(path, truth).figures
+def test_a_comparison_has_the_figures_of_the_program(part, program):
+    truth = SAMPLES / "caryville_20m_truth.tif"
+    wanted = json.loads(program("compare", part, truth, "--json", "-q").stdout)
+    found = tokosen.compare(part, truth).figures
     assert found["overall"] == wanted["overall"] and found["size"] == wanted["size"]
 
 

@@ -14,36 +14,34 @@ import pytest
 import tokosen
 from conftest import ROOT, SAMPLES
 
-REAL = SAMPLES / "caryville_20m.gpkg"
 
-
-def test_progress_names_the_steps_and_grows():
+def test_progress_names_the_steps_and_grows(part):
     told = []
-    tokosen.dem(REAL, 30, progress=lambda step, share: told.append((step, share)))
+    tokosen.dem(part, 30, progress=lambda step, share: told.append((step, share)))
     steps = [step for step, _ in told]
     assert "smooth surface" in steps and len(set(steps)) >= 3
     assert all(share is None or 0 <= share <= 1 for _, share in told)
 
 
-def test_an_exception_of_the_function_stops_the_work():
+def test_an_exception_of_the_function_stops_the_work(part):
     def stop(step, share):
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):
-        tokosen.dem(REAL, 5, progress=stop)
+        tokosen.dem(part, 5, progress=stop)
     with pytest.raises(TypeError, match="progress"):
-        tokosen.dem(REAL, 30, progress="yes")
+        tokosen.dem(part, 30, progress="yes")
     # The next call works as ever.
     assert tokosen.dem(tokosen.example(), 20).shape == (30, 28)
 
 
-def test_bars_of_tqdm(capsys):
+def test_bars_of_tqdm(capsys, part):
     pytest.importorskip("tqdm")
-    tokosen.dem(REAL, 30, progress=True)
+    tokosen.dem(part, 30, progress=True)
     assert "smooth surface" in capsys.readouterr().err
 
 
-def test_ctrl_c_stops_the_work_soon():
+def test_ctrl_c_stops_the_work_soon(part):
     # A job in the background of a shell ignores Ctrl-C, and so does Python there.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     start = time.monotonic()
@@ -51,13 +49,13 @@ def test_ctrl_c_stops_the_work_soon():
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         while True:
-            tokosen.dem(REAL, 2)
+            tokosen.dem(part, 2)
     timer.join()
     signal.signal(signal.SIGINT, before)
     assert time.monotonic() - start < 20
 
 
-def test_other_threads_run_meanwhile():
+def test_other_threads_run_meanwhile(part):
     counted = 0
     over = threading.Event()
 
@@ -70,7 +68,7 @@ def test_other_threads_run_meanwhile():
     thread = threading.Thread(target=count)
     thread.start()
     start = time.monotonic()
-    tokosen.dem(REAL, 10)
+    tokosen.dem(part, 10)
     time_of_work = time.monotonic() - start
     over.set()
     thread.join()
