@@ -32,10 +32,7 @@ impl Compared<'_> {
 }
 
 /// The finding that most streams contradict the contours, if they do. Reaches count by the contours that they cross.
-pub(super) fn elsewhere<'a>(
-    reaches: impl IntoIterator<Item = Compared<'a>>,
-    tuning: &StreamTuning,
-) -> Option<Finding> {
+pub(super) fn elsewhere<'a>(reaches: impl IntoIterator<Item = Compared<'a>>, tuning: &StreamTuning) -> Option<Finding> {
     let (mut tested, mut crossings, mut contradicted) = (0, 0, 0.0);
     for reach in reaches {
         let count = reach.course.crossings.iter().filter(|crossing| crossing.level.is_some()).count();
