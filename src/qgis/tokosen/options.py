@@ -226,9 +226,9 @@ def raster(flag, label, name=None, optional=True, **more):
     return Option(name, flag, define, lambda asked: layer_pairs(asked, flag, name), **more)
 
 
-def map_layer(flag, label, name, **more):
+def map_layer(flag, label, name, optional=False, **more):
     """A height map or contour lines."""
-    define = lambda: QgsProcessingParameterMapLayer(name, label, types=[RASTER, LINES])
+    define = lambda: QgsProcessingParameterMapLayer(name, label, optional=optional, types=[RASTER, LINES])
     return Option(name, flag, define, lambda asked: layer_pairs(asked, flag, name), **more)
 
 

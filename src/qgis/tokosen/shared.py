@@ -21,6 +21,8 @@ from .options import (
 
 PICTURE = "PNG files (*.png)"
 PAGE = "HTML files (*.html)"
+TABLE = "CSV files (*.csv)"
+CHART = "SVG files (*.svg);;PNG files (*.png)"
 
 INPUT = layer("", "Contour lines", LINES, name="INPUT", optional=False)
 ELEVATION = field(
@@ -305,6 +307,13 @@ TO_DEPTHS = yes(
     "Also write depths, positive downwards",
     advanced=True,
     help="The field depth, beside elev. Areas between the lines get depth_from, depth_to and depth_mid.",
+)
+
+HEIGHT_SIGMA = number(
+    "--sigma",
+    "Standard error of the heights of height maps [m]",
+    advanced=True,
+    help="If it is empty, the errors that the file has beside its heights.",
 )
 
 PREVIEW = file_output("--preview", "Picture of the result", PICTURE, advanced=True)
