@@ -18,7 +18,8 @@ const REFUSED: [&str; 5] = [
 
 /// The seeds of a target.
 fn seeds(target: &Path) -> Vec<PathBuf> {
-    let mut seeds: Vec<_> = std::fs::read_dir(target).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let entries = std::fs::read_dir(target).expect("a folder of seeds");
+    let mut seeds: Vec<_> = entries.map(|entry| entry.expect("a seed").path()).collect();
     seeds.sort();
     seeds
 }

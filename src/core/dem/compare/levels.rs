@@ -214,8 +214,11 @@ impl Votes {
     fn are_many(&self, interval: &Interval, precision: Option<Precision>) -> Option<bool> {
         let too_coarse = precision.is_some_and(|p| !divides(p.step(), interval.step / 10.0));
         let can_tell = self.levels.iter().sum::<usize>() >= FEWEST_LEVELS && !too_coarse;
-        // At half the true interval every second level has terraces and the others have none.
-        let share = |parity: usize| self.terraced[parity] as f64 >= MANY_LEVELS * self.levels[parity] as f64;
+        // At half the true interval every second level has terraces and the others have none, or hardly any heights.
+        let share = |parity: usize| {
+            let [terraced, all] = [self.terraced[parity], self.levels[parity]];
+            all > 0 && terraced as f64 >= MANY_LEVELS * all as f64
+        };
         can_tell.then(|| (0..2).all(share))
     }
 }
@@ -269,6 +272,17 @@ mod tests {
         let h = level_histogram(&slope(0.5), &TEN, None).unwrap();
         assert_eq!(h.terraced, Some(true), "{h:?}");
         assert_eq!(find_terraces(&slope(0.5), None).map(|h| h.interval), Some(10.0));
+    }
+
+    #[test]
+    fn levels_without_heights_do_not_vote_for_a_smaller_interval() {
+        let height = |i: u32| {
+            let h = f64::from(i) / 10.0;
+            let level = (h / 20.0).round() * 20.0;
+            (if (h - level).abs() < 8.0 { level } else { h }) as f32
+        };
+        let heights: Vec<f32> = (0..2000).map(height).collect();
+        assert_eq!(find_terraces(&heights, None).map(|h| h.interval), Some(20.0));
     }
 
     #[test]
