@@ -109,7 +109,7 @@ class Tools(Case):
 
     def test_dem_in_another_system_with_the_ground_around(self):
         made = self.folder / "made.asc"
-        self.results("dem", INPUT=CONTOURS, CELL=90, TO_CRS="EPSG:3857", BASE=HEIGHTS, FRAME=1, DRAIN=1, OUTPUT=made)
+        self.results("dem", INPUT=CONTOURS, CELL=90, TO_CRS="EPSG:3857", BASE=HEIGHTS, FRAME=2, DRAIN=1, OUTPUT=made)
         options = ["--cell", "90", "--to-crs", "EPSG:3857", "--base", HEIGHTS, "--frame", "bbox", "--drain", "none"]
         self.assertSameOutput(made, "dem", CONTOURS, *options, "-o")
 
