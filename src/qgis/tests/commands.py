@@ -65,7 +65,7 @@ class Tools(Case):
         made, diagnostics = self.folder / "made.gpkg", self.folder / "diagnostics.gpkg"
         box = "746000,749000,4017000,4020000 [EPSG:32616]"
         results = self.results(
-            "densify", INPUT=CONTOURS, INTERVAL=7.5, INDEX=4, BASE=2.5, EXTENT=box, LABELS=True, UNCERTAINTY=True,
+            "densify", INPUT=CONTOURS, INTERVAL=7.5, INDEX=4, BASE_LEVEL=2.5, EXTENT=box, LABELS=True, UNCERTAINTY=True,
             OUTPUT=made, DIAGNOSTICS=diagnostics,
         )
         self.assertEqual(results["OUTPUT"], f"{made}|layername=contours_7.5m")
@@ -189,7 +189,7 @@ class Tools(Case):
 
     def test_mesh(self):
         made = self.folder / "made.ply"
-        self.results("mesh", INPUT=NESTED, BASE=-5.5, OUTPUT=made)
+        self.results("mesh", INPUT=NESTED, BASE_HEIGHT=-5.5, OUTPUT=made)
         self.assertSameOutput(made, "mesh", NESTED, "--base-height=-5.5", "-o")
 
     def test_contour(self):

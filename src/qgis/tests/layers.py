@@ -89,7 +89,7 @@ class Layers(Case):
         layer.startEditing()
         for feature in layer.getFeatures():
             layer.changeAttributeValue(feature.id(), field, feature["elev"] + 1)
-        made = self.densify(layer, interval=20, BASE=1, ELEVATION_FIELD="elev")
+        made = self.densify(layer, interval=20, BASE_LEVEL=1, ELEVATION_FIELD="elev")
         self.assertEqual({row[2] % 20 for row in rows(made)["contours_20m"][2]}, {1})
         layer.rollBack()
 
