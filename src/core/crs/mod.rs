@@ -10,6 +10,7 @@ mod esri;
 mod height_system;
 mod local;
 mod named;
+mod originals;
 mod parts;
 mod proj_string;
 mod projection_methods;

@@ -7,23 +7,21 @@
 //! are noise of a projection or of a sum. They would decide between surfaces that are equally good. So a map that was
 //! converted to degrees and back gives the same lines again.
 
-use std::collections::{HashMap, HashSet};
-use std::sync::{Arc, OnceLock};
+use std::collections::HashSet;
+use std::sync::Arc;
 
-use foldhash::fast::FixedState;
 use geo::{Coord, LineString, MapCoords, MultiPolygon, Polygon};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::definition::label;
+use super::originals::{Key, Originals, in_order, on_steps};
 use super::system::Crs;
 use super::transform::Transform;
 use crate::base::bits::bits;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, parallel};
 
-/// Steps per metre of coordinates on the plane.
-const STEPS: f64 = 1e6;
 /// Largest distance from a boundary to the straight piece between two of its vertices on the plane, metres.
 const STRAIGHT: f64 = 1e-3;
 /// Metres in a degree of latitude, about.
@@ -54,38 +52,6 @@ pub struct Reprojection {
 struct OddHeights {
     unit: ElevationUnit,
     pairs: Vec<[f64; 2]>,
-}
-
-/// The coordinates that positions on the plane had in the file. The table is made when an output first asks for it.
-#[derive(Debug, Default)]
-struct Originals {
-    places: Vec<DVec2>,
-    /// The positions in whole micrometres that several of them would have. These keep all their digits.
-    crowded: HashSet<Key>,
-    by_place: OnceLock<HashMap<Key, DVec2, FixedState>>,
-}
-
-impl Originals {
-    /// What was at a position on the plane, to which `way` leads.
-    fn at(&self, p: DVec2, way: Option<&Transform>) -> Option<DVec2> {
-        // Computed vertices are hardly ever on whole micrometres, so they need no search.
-        if self.crowded.is_empty() && on_steps(p) != p {
-            return None;
-        }
-        let pair = |p: &DVec2| {
-            let exact = way.map_or(Some(*p), |way| way.forward(*p))?;
-            let key = bits(on_steps(exact));
-            Some((if self.crowded.contains(&key) { bits(exact) } else { key }, *p))
-        };
-        self.by_place.get_or_init(|| self.places.iter().filter_map(pair).collect()).get(&bits(p)).copied()
-    }
-}
-
-/// A position as a key: its bits.
-type Key = [u64; 2];
-
-fn on_steps(p: DVec2) -> DVec2 {
-    (p * STEPS).round() / STEPS + DVec2::ZERO
 }
 
 impl Reprojection {
@@ -147,14 +113,12 @@ impl Reprojection {
             // Most coordinates have no digits below a micrometre. These need not be stored.
             originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
         }
-        let mut places: Vec<DVec2> = originals.into_iter().map(|(_, p)| p).collect();
-        places.shrink_to_fit();
         let reprojection = Self {
             input: Some(input.clone()),
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
             in_steps: true,
-            originals: Arc::new(Originals { places, crowded, by_place: OnceLock::new() }),
+            originals: Arc::new(Originals::new(originals, crowded)),
             around,
             heights: Arc::default(),
         };
@@ -265,13 +229,6 @@ impl Reprojection {
         };
         Ok(FromWorking::new(self, target, Some(to)))
     }
-}
-
-/// Sorted by position. Equal coordinates at the same position are kept once.
-fn in_order(mut pairs: Vec<(Key, DVec2)>) -> Vec<(Key, DVec2)> {
-    pairs.par_sort_unstable_by_key(|(k, p)| (*k, p.x.to_bits(), p.y.to_bits()));
-    pairs.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
-    pairs
 }
 
 /// Whether both systems have plane coordinates in the same unit.
@@ -453,7 +410,7 @@ impl FromWorking {
     /// Whether positions on the plane need no transformation.
     pub fn is_identity(&self) -> bool {
         match &self.target {
-            Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.places.is_empty(),
+            Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.len() == 0,
             Target::Other { from_working, .. } => from_working.is_identity(),
         }
     }
@@ -554,7 +511,7 @@ mod tests {
         let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
         let (flat, reprojection) = project(25832, &noisy, 25832).unwrap().value;
         assert_eq!(flat[0], DVec2::new(436_203.79, 6_444_375.56));
-        assert!(reprojection.are_unmoved() && reprojection.originals.places.len() == 1);
+        assert!(reprojection.are_unmoved() && reprojection.originals.len() == 1);
         let back = reprojection.from_working(None).unwrap();
         assert!(!back.is_identity());
         for (p, q) in noisy.iter().zip(&flat) {
