@@ -29,9 +29,9 @@
 //! | [`subdivision::subdivide`](fn@subdivision::subdivide) | a clean map | a [`Subdivision`](subdivision::Subdivision): the triangulation with its sub-domains |
 //! | [`subdomains::landforms`] | a triangulation, its sub-domains | a [`Landform`](subdomains::Landform) per sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | a triangulation, its sub-domains | ridge and canyon lines with heights |
-//! | [`creases::CreaseLine`] | break lines, in [`surface::SurfaceParams`] | [`creases::Crease`]s in the surface: with heights |
-//! | [`streams::Streams`] | lines of rivers, in [`surface::SurfaceParams`] | [`streams::Stream`]s in the surface: with direction and heights |
-//! | [`drain::Drain`], [`drain::Sink`] | which pits get a way out, and places where water may stay, in [`surface::SurfaceParams`] | a surface and height maps with fewer pits; [`drain::Pit`]s that are left |
+//! | [`creases::CreaseLine`] | break lines, in [`surface::Given`] | [`creases::Crease`]s in the surface: with heights |
+//! | [`streams::Streams`] | lines of rivers, in [`surface::Given`] | [`streams::Stream`]s in the surface: with direction and heights |
+//! | [`drain::Drain`], [`drain::Sink`] | which pits get a way out, and places where water may stay, in [`surface::Given`] | a surface and height maps with fewer pits; [`drain::Pit`]s that are left |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](raster::Dem), or heights alone |
 //! | [`layers::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
@@ -112,7 +112,7 @@
 //! use tokosen::clean::{CleanParams, clean};
 //! use tokosen::contour::{Contour, ContourMap, Target};
 //! use tokosen::layers::{LayerParams, contour_layers};
-//! use tokosen::surface::{SurfaceParams, build, heights};
+//! use tokosen::surface::{Given, SurfaceParams, build, heights};
 //!
 //! # fn main() -> tokosen::Result<()> {
 //! let ring = |radius: f64, elevation: f64| {
@@ -123,7 +123,7 @@
 //! let map = ContourMap { contours: vec![ring(200.0, 10.0), ring(80.0, 20.0)], ..ContourMap::default() };
 //!
 //! let map = clean(map, &CleanParams::default())?.value;
-//! let surface = build(map, &SurfaceParams::default(), &())?.value;
+//! let surface = build(map, &Given::default(), &SurfaceParams::default(), &())?.value;
 //! let params = LayerParams { targets: vec![Target::Interval { step: 2.0, base: 0.0 }], ..LayerParams::default() };
 //! let layers = contour_layers(&surface, &params, &())?;
 //! // 12, 14, 16 and 18 m between the two, and at least one ring on the rounded top.

@@ -78,10 +78,10 @@ impl Terrain {
         }
         input.report_sides_elsewhere();
         let is_whole = input.part.is_none() && input.frame.polygon().is_none();
-        let mut params = input.surface_params(options, cells.as_ref());
+        let (mut params, given) = (input.surface_params(options, cells.as_ref()), input.given(options));
         let part = input.part.take().map(|area| Part::new(area, &input.map)).transpose()?;
         if let Some(part) = &part {
-            let figures = step(progress, "the whole map", || whole_map(&input.map, &params));
+            let figures = step(progress, "the whole map", || whole_map(&input.map, &given, &params));
             params.whole = figures.map_err(|error| input.named_error(error))?;
             params.frame = part.frame(std::mem::take(&mut params.frame));
             input.cut_to(part)?;
@@ -99,7 +99,7 @@ impl Terrain {
             let room = cells.check_room(&covered, background.is_some(), params.memory);
             room.map_err(|error| error.because_of_far_lines(&input.findings))?;
         }
-        let built = build(std::mem::take(&mut input.map), &params, progress);
+        let built = build(std::mem::take(&mut input.map), &given, &params, progress);
         let mut surface = input.found(built)?;
         input.check_strict()?;
         if let Some(elsewhere) = input.findings.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {

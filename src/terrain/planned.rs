@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use super::beside::Beside;
 use super::grid::GridSpec;
-use super::input::{Input, surface_params};
+use super::input::{Input, given, surface_params};
 use super::options::Options;
 use super::part::{Part, box_area};
 use tokosen_core::base::error::{Error, FindingKind, Report, Result, Severity};
@@ -134,8 +134,8 @@ impl Input {
             excluded: std::mem::take(&mut self.excluded),
             at_cliffs: std::mem::take(&mut self.at_cliffs),
         };
-        let params = self.surface_params(options, cells.as_ref());
-        let figures = step(progress, "the whole map", || whole_map(&self.map, &params));
+        let (params, given) = (self.surface_params(options, cells.as_ref()), self.given(options));
+        let figures = step(progress, "the whole map", || whole_map(&self.map, &given, &params));
         let whole = figures.map_err(|error| self.named_error(error))?.ok_or_else(|| {
             Error::Parameter(
                 "the map falls into groups of ground far from each other, which tiles cannot take: make each group by itself \
@@ -179,12 +179,10 @@ pub(crate) fn tile_surface(map: ContourMap, tile: &TileParams, progress: &dyn Pr
     let frame = tile.frame(&tile.part()?);
     // A window may lie far from the coast.
     let is_at_sea = |sea: &f64| map.contours.iter().any(|line| (line.elevation - sea).abs() <= SAME_LEVEL);
-    let options = Options { sea: options.sea.filter(is_at_sea), ..options.clone() };
-    let params = SurfaceParams {
-        whole: Some(planned.whole.clone()),
-        ..surface_params(&options, beside.features.clone(), planned.coast.clone(), (frame, wanted))
-    };
-    let Report { value, findings } = build(map, &params, progress)?;
+    let sea = options.sea.filter(is_at_sea);
+    let params = SurfaceParams { whole: Some(planned.whole.clone()), ..surface_params(options, frame, wanted) };
+    let given = given(beside.features.clone(), sea, planned.coast.clone());
+    let Report { value, findings } = build(map, &given, &params, progress)?;
     let mut findings = first_causes(findings);
     beside.explain(&mut findings, planned.cliff_reach);
     findings.iter_mut().for_each(|finding| finding.message = planned.units.message(&finding.message));

@@ -17,7 +17,7 @@ use tokosen_core::resample::{FitParams, fit, sample};
 use tokosen_core::streams::{Stream, Streams};
 use tokosen_core::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
 use tokosen_core::subdomains::settled;
-use tokosen_core::surface::{SurfaceParams, settle_lines};
+use tokosen_core::surface::{Given, SurfaceParams, settle_lines};
 
 /// The findings that report a change of the lines.
 const REPAIRS: &[FindingKind] = &[
@@ -193,16 +193,16 @@ impl Input {
         self.report_sides_elsewhere();
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
-        let params = self.surface_params(options, None);
+        let (params, given) = (self.surface_params(options, None), self.given(options));
         params.check()?;
-        match (subdivide_with_water(map, &params.frame, &params.water, progress), flat) {
+        match (subdivide_with_water(map, &params.frame, &given.water, progress), flat) {
             (Err(error @ (Error::NoContours { .. } | Error::TooFewLevels { .. })), Some(map)) => {
                 self.findings.push(Finding::general(FindingKind::TooFewLevels, error.to_string()));
                 Ok(map)
             }
             (subdivision, _) => {
                 let subdivision = self.found(subdivision)?;
-                let settled = settle_lines(&subdivision, &params, progress);
+                let settled = settle_lines(&subdivision, &given, &params, progress);
                 self.findings.extend(settled.findings);
                 self.state_unit();
                 Ok(subdivision.map)
@@ -253,10 +253,11 @@ impl Input {
         tolerance: Option<f64>,
         progress: &dyn Progress,
     ) -> Result<Vec<Stream>> {
-        let streams = Streams { lines: std::mem::take(&mut self.features.streams), areas: Vec::new(), tolerance };
-        let params = SurfaceParams { streams, ..SurfaceParams::default() };
+        let streams = Streams { lines: std::mem::take(&mut self.features.streams), areas: Vec::new() };
+        let params = SurfaceParams { stream_tolerance: tolerance, ..SurfaceParams::default() };
         params.check()?;
-        let settled = settle_lines(subdivision, &params, progress);
+        let given = Given { streams, ..Given::default() };
+        let settled = settle_lines(subdivision, &given, &params, progress);
         if let Some(elsewhere) = settled.findings.iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {
             return Err(Error::StreamsElsewhere(elsewhere.message.clone()));
         }

@@ -23,7 +23,7 @@ use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::mesh::{MeshParams, mesh};
 use tokosen::resample::{FitParams, SampleParams, fit, sample};
 use tokosen::subdomains::{Band, landforms};
-use tokosen::surface::{Surface, SurfaceParams, build, heights};
+use tokosen::surface::{Given, Surface, SurfaceParams, build, heights};
 use tokosen::tin::VertexKind;
 
 use crate::common;
@@ -204,7 +204,7 @@ const CELLS: f64 = 40.0;
 ///
 /// # Errors
 /// Those of the steps: a map that no surface can be made of is no failure.
-pub fn hold(map: ContourMap, lines: &Lines, params: &SurfaceParams, what: &str) -> Result<()> {
+pub fn hold(map: ContourMap, lines: &Lines, (given, params): (&Given, &SurfaceParams), what: &str) -> Result<()> {
     let near = CleanParams { snap: lines.snap, ..CleanParams::default() };
     let mut map = clean(map, &near)?.value;
     validate(&map, &near).unwrap_or_else(|e| panic!("{what}: what clean makes is not clean: {e}"));
@@ -216,7 +216,7 @@ pub fn hold(map: ContourMap, lines: &Lines, params: &SurfaceParams, what: &str) 
         map = sample(map, params, &near)?.value.map;
         validate(&map, &near).unwrap_or_else(|e| panic!("{what}: what sample makes is not clean: {e}"));
     }
-    let surface = build(map, params, &())?.value;
+    let surface = build(map, given, params, &())?.value;
     let levels = surface.map.contours.iter().map(|c| c.elevation);
     let (low, high) = levels.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), l| (lo.min(l), hi.max(l)));
     let step = (surface.interval.step / 5.0).max((high - low) / LEVELS);

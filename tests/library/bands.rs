@@ -17,7 +17,7 @@ use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::raster::Dem;
 use tokosen::subdivision::Water;
 use tokosen::subdomains::Frame;
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
 
 use crate::common::{Random, all_kinds};
 
@@ -167,10 +167,11 @@ fn contour(elevation: f64, points: Vec<DVec2>) -> Contour {
 fn divided(
     contours: Vec<Contour>,
     step: f64,
-    params: SurfaceParams,
+    (given, frame): (&Given, Frame),
 ) -> (Surface, ContourLayer, Vec<BandArea>, Vec<Finding>) {
     let map = clean(ContourMap { contours, ..ContourMap::default() }, &CleanParams::default()).unwrap().value;
-    let surface = build(map, &SurfaceParams { kind: SurfaceKind::Linear, ..params }, &()).unwrap().value;
+    let params = SurfaceParams { kind: SurfaceKind::Linear, frame, ..SurfaceParams::default() };
+    let surface = build(map, given, &params, &()).unwrap().value;
     let target = Target::Interval { step, base: 0.0 };
     let layers = LayerParams { targets: vec![target.clone()], ..LayerParams::default() };
     let layer = contour_layers(&surface, &layers, &()).unwrap().remove(0);
@@ -192,12 +193,9 @@ fn lakes_and_the_sea_are_areas_of_their_own() {
     let water = Water { lakes: vec![lake], sea: Some(0.0), ..Water::default() };
     let square = polygon![(x: -450., y: -450.), (x: 450., y: -450.), (x: 450., y: 450.), (x: -450., y: 450.)];
     for step in [5.0, 3.0, 2.0, 1.0] {
-        let params = SurfaceParams {
-            water: water.clone(),
-            frame: Frame::Polygon(square.clone().into()),
-            ..SurfaceParams::default()
-        };
-        let (surface, layer, areas, findings) = divided(contours.clone(), step, params);
+        let given = Given { water: water.clone(), ..Given::default() };
+        let frame = Frame::Polygon(square.clone().into());
+        let (surface, layer, areas, findings) = divided(contours.clone(), step, (&given, frame));
         let what = format!("every {step} m");
         let target = Target::Interval { step, base: 0.0 };
         let wide = check(&areas, surface.frame.area.unsigned_area(), &layer.lines, &target, 0, &what);
@@ -226,7 +224,7 @@ fn lines_that_end_inside_the_map_bound_nothing_and_are_told() {
         contour(50.0, across(400.0, 0.0, 1000.0)),
     ];
     let target = Target::Interval { step: 10.0, base: 0.0 };
-    let (surface, layer, areas, _) = divided(contours.clone(), 10.0, SurfaceParams::default());
+    let (surface, layer, areas, _) = divided(contours.clone(), 10.0, (&Given::default(), Frame::default()));
     assert_eq!(check(&areas, surface.frame.area.unsigned_area(), &layer.lines, &target, 0, "continued"), 0);
     // Without the lines that continue it, the contour ends inside.
     let open = ContourLayer {

@@ -5,7 +5,7 @@ use tokosen::base::error::{Finding, FindingKind};
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
 use tokosen::spline::{SplineParams, Wanted};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
 
 /// An even slope, `z = y / 10`, by its contours every 10 m from y = 0 to 600.
 fn slope() -> ContourMap {
@@ -22,8 +22,9 @@ fn line(points: &[(f64, f64)], heights: &[f64], bend: Bend) -> CreaseLine {
 
 fn built(map: ContourMap, creases: Vec<CreaseLine>, kind: SurfaceKind) -> (Surface, Vec<Finding>) {
     let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), ..SplineParams::default() };
-    let params = SurfaceParams { kind, creases, spline, ..SurfaceParams::default() };
-    let report = build(map, &params, &()).expect("a slope has a surface");
+    let params = SurfaceParams { kind, spline, ..SurfaceParams::default() };
+    let given = Given { creases, ..Given::default() };
+    let report = build(map, &given, &params, &()).expect("a slope has a surface");
     (report.value, report.findings)
 }
 
@@ -80,8 +81,9 @@ fn the_surface_of_noisy_contours_passes_through_surveyed_heights_too() {
     // The bottom of a ditch, 3 m below the ground, midway between two contours.
     let ditch = line(&[(-150.0, 247.5), (150.0, 247.5)], &[22.0; 2], Bend::Valley);
     let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), noise: Some(1.0), ..SplineParams::default() };
-    let params = SurfaceParams { creases: vec![ditch], spline, ..SurfaceParams::default() };
-    let surface = build(slope(), &params, &()).expect("a slope has a surface").value;
+    let given = Given { creases: vec![ditch], ..Given::default() };
+    let params = SurfaceParams { spline, ..SurfaceParams::default() };
+    let surface = build(slope(), &given, &params, &()).expect("a slope has a surface").value;
     for x in [-97.5, 2.5, 97.5] {
         let z = at(&surface, x, 247.5);
         assert!((z - 22.0).abs() < 0.1, "{x}: {z}");
@@ -97,9 +99,10 @@ fn the_nodes_are_close_enough_for_lines_beside_each_other() {
     };
     let errors = |nodes_per_line_spacing: f64| {
         let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), ..SplineParams::default() };
-        let mut params = SurfaceParams { creases: ditch().into(), spline, ..SurfaceParams::default() };
+        let mut params = SurfaceParams { spline, ..SurfaceParams::default() };
         params.tuning.creases.nodes_per_line_spacing = nodes_per_line_spacing;
-        let surface = build(slope(), &params, &()).expect("a slope has a surface").value;
+        let given = Given { creases: ditch().into(), ..Given::default() };
+        let surface = build(slope(), &given, &params, &()).expect("a slope has a surface").value;
         // Both sides of the ditch are planes.
         let truth = [(247.5, 21.85 + 0.5 * 1.0), (252.5, 21.85 + 0.7 * 4.0)];
         let places = [-97.5, 2.5, 97.5].into_iter().flat_map(|x| truth.map(|(y, z)| (x, y, z)));

@@ -10,7 +10,7 @@ use glam::DVec2;
 use tokosen::base::error::Error;
 use tokosen::resample::{FitParams, SampleParams};
 use tokosen::subdomains::Frame;
-use tokosen::surface::{SurfaceKind, SurfaceParams};
+use tokosen::surface::{Given, SurfaceKind, SurfaceParams};
 
 type Line = (f64, Vec<DVec2>);
 
@@ -34,7 +34,7 @@ fn all_ways(lines: &[Line], what: &str) -> Vec<Result<(), Error>> {
         (SurfaceKind::Spline, Frame::Box, &made),
     ] {
         let params = SurfaceParams { kind, frame, ..SurfaceParams::default() };
-        said.push(hold(map.clone(), lines, &params, what));
+        said.push(hold(map.clone(), lines, (&Given::default(), &params), what));
     }
     assert!(start.elapsed() < LONG, "{what}: {:?}", start.elapsed());
     said
@@ -161,7 +161,8 @@ fn nested_rings() {
         (0..2_000).map(|k| (f64::from(k), ring(DVec2::ZERO, 10.0 + f64::from(2_000 - k), 12))).collect();
     let params = SurfaceParams { kind: SurfaceKind::Skeleton, ..SurfaceParams::default() };
     let start = Instant::now();
-    hold(map_of(&rings), &Lines { is_exact: true, ..Lines::default() }, &params, "nested rings").unwrap();
+    hold(map_of(&rings), &Lines { is_exact: true, ..Lines::default() }, (&Given::default(), &params), "nested rings")
+        .unwrap();
     assert!(start.elapsed() < LONG, "{:?}", start.elapsed());
 }
 
@@ -204,6 +205,7 @@ fn long_lines_side_by_side_on_the_slant() {
         .collect();
     let params = SurfaceParams { kind: SurfaceKind::Linear, ..SurfaceParams::default() };
     let start = Instant::now();
-    hold(map_of(&lines), &Lines { is_exact: true, ..Lines::default() }, &params, "slanted lines").unwrap();
+    hold(map_of(&lines), &Lines { is_exact: true, ..Lines::default() }, (&Given::default(), &params), "slanted lines")
+        .unwrap();
     assert!(start.elapsed() < LONG, "{:?}", start.elapsed());
 }

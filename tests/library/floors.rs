@@ -8,14 +8,15 @@ use tokosen::base::error::{Finding, FindingKind};
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap};
 use tokosen::subdomains::Frame;
-use tokosen::surface::{Surface, SurfaceParams, build, heights};
+use tokosen::surface::{Given, Surface, SurfaceParams, build, heights};
 
 const INTERVAL: f64 = 20.0;
 
 fn built(contours: Vec<Contour>) -> (Surface, Vec<Finding>) {
     let map = ContourMap { contours, ..ContourMap::default() };
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    let report = build(map, &SurfaceParams { frame: Frame::Hull, ..SurfaceParams::default() }, &()).unwrap();
+    let report =
+        build(map, &Given::default(), &SurfaceParams { frame: Frame::Hull, ..SurfaceParams::default() }, &()).unwrap();
     (report.value, report.findings)
 }
 

@@ -5,7 +5,7 @@ use tokosen::base::Grid;
 use tokosen::contour::{Contour, ContourMap};
 use tokosen::creases::{Bend, CreaseLine};
 use tokosen::streams::{StreamLine, Streams};
-use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights};
+use tokosen::surface::{Given, SurfaceKind, SurfaceParams, build, heights};
 
 /// The bottom of the gorge. Its height is `y / 10`.
 const BOTTOM: [DVec2; 2] = [DVec2::new(0.0, 4900.0), DVec2::new(0.0, -800.0)];
@@ -23,9 +23,9 @@ fn gorge() -> ContourMap {
 }
 
 /// How far the skeleton surface lies above or below the bottom at most, metres.
-fn farthest_from_bottom(params: SurfaceParams) -> f64 {
-    let params = SurfaceParams { kind: SurfaceKind::Skeleton, ..params };
-    let surface = build(gorge(), &params, &()).expect("a gorge has a surface").value;
+fn farthest_from_bottom(given: &Given) -> f64 {
+    let params = SurfaceParams { kind: SurfaceKind::Skeleton, ..SurfaceParams::default() };
+    let surface = build(gorge(), given, &params, &()).expect("a gorge has a surface").value;
     let grid = Grid::on_multiples(DVec2::new(0.0, 1000.0), DVec2::new(1.0, 4000.0), 1.0);
     let dem = heights(&surface, &grid, &());
     assert_eq!(dem.values.len(), 3000);
@@ -37,7 +37,7 @@ fn farthest_from_bottom(params: SurfaceParams) -> f64 {
 fn no_ridge_or_canyon_point_stands_in_a_stream() {
     let line = StreamLine { points: BOTTOM.into(), feature: 0.into() };
     let streams = Streams { lines: vec![line], ..Streams::default() };
-    let most = farthest_from_bottom(SurfaceParams { streams, ..SurfaceParams::default() });
+    let most = farthest_from_bottom(&Given { streams, ..Given::default() });
     assert!(most < 5.0, "{most}");
 }
 
@@ -45,6 +45,6 @@ fn no_ridge_or_canyon_point_stands_in_a_stream() {
 fn no_ridge_or_canyon_point_stands_in_a_surveyed_line() {
     let heights = BOTTOM.map(|p| 0.1 * p.y).into();
     let line = CreaseLine { points: BOTTOM.into(), heights, bend: Bend::Valley, feature: 7.into() };
-    let most = farthest_from_bottom(SurfaceParams { creases: vec![line], ..SurfaceParams::default() });
+    let most = farthest_from_bottom(&Given { creases: vec![line], ..Given::default() });
     assert!(most < 5.0, "{most}");
 }

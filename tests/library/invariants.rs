@@ -18,7 +18,7 @@ use tokosen::clean::CleanParams;
 use tokosen::contour::ContourMap;
 use tokosen::resample::{FitParams, SampleParams, fit, sample};
 use tokosen::subdomains::Frame;
-use tokosen::surface::{SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Given, SurfaceKind, SurfaceParams, build};
 
 /// Random terrain may have one contour or one level only; then there is no surface. Nothing else may go wrong.
 const ALLOWED: [Refusal; 3] = [Refusal::NoContour, Refusal::OneContour, Refusal::OneLevel];
@@ -31,7 +31,7 @@ fn check_terrain(terrain: &Terrain, frame: &Frame, tally: &Tally) {
     for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline] {
         let what = format!("{} {kind:?} {frame:?}", terrain.kind);
         let params = SurfaceParams { kind, frame: frame.clone(), ..SurfaceParams::default() };
-        if let Some(report) = tally.take(build(map.clone(), &params, &()), &ALLOWED, &what) {
+        if let Some(report) = tally.take(build(map.clone(), &Given::default(), &params, &()), &ALLOWED, &what) {
             let surface = report.value;
             tally.add_lines(check(&surface.map, &surface, terrain.interval / 5.0, &what));
             check_dem(&surface, terrain.cell, &what);
@@ -65,7 +65,7 @@ fn hold_on_fitted_and_sampled_lines() {
         for terrain in common::all_kinds(seed) {
             let what = format!("{} fitted {tolerance:?} sampled {ratio:?}", terrain.kind);
             let map = fitted_and_sampled(clean_map(map_of(&terrain.contours())), tolerance, ratio, &what);
-            if let Some(report) = tally.take(build(map, &SurfaceParams::default(), &()), &ALLOWED, &what) {
+            if let Some(report) = tally.take(build(map, &Given::default(), &SurfaceParams::default(), &()), &ALLOWED, &what) {
                 let surface = report.value;
                 tally.add_lines(check(&surface.map, &surface, terrain.interval / 5.0, &what));
             }
@@ -173,7 +173,7 @@ fn hold_with_pieces_missing_and_spot_heights() {
         for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline] {
             let params = SurfaceParams { kind, ..SurfaceParams::default() };
             let what = format!("pieces missing, seed {seed}, every {cut}, {kind:?}");
-            if let Some(report) = tally.take(build(map.clone(), &params, &()), &ALLOWED, &what) {
+            if let Some(report) = tally.take(build(map.clone(), &Given::default(), &params, &()), &ALLOWED, &what) {
                 let surface = report.value;
                 tally.add_lines(check(&surface.map, &surface, terrain.interval / 5.0, &what));
             }
@@ -190,7 +190,7 @@ fn neither_threads_nor_order_matter() {
         let lines = terrain.contours();
         let run = |lines: &[(f64, Vec<DVec2>)], threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| build(clean_map(map_of(lines)), &SurfaceParams::default(), &()))
+            pool.install(|| build(clean_map(map_of(lines)), &Given::default(), &SurfaceParams::default(), &()))
         };
         let made = |lines: &[(f64, Vec<DVec2>)], threads: usize| {
             let report = tally.take(run(lines, threads), &ALLOWED, &format!("fractal {seed}"));
@@ -265,7 +265,7 @@ fn no_flat_triangle_is_left_between_lines_and_nodes() {
         let map = clean_map(map_of(&terrain.contours()));
         let flat = |kind| {
             let params = SurfaceParams { kind, ..SurfaceParams::default() };
-            let surface = build(map.clone(), &params, &()).expect("hills have levels").value;
+            let surface = build(map.clone(), &Given::default(), &params, &()).expect("hills have levels").value;
             let tin = &surface.tin;
             let area = |t: u32| {
                 let [a, b, c] = tin.corners(t);

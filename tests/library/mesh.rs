@@ -12,14 +12,14 @@ use tokosen::contour::{Contour, ContourMap};
 use tokosen::io::mesh::{MESH_EXTENSIONS, SURFACE_EXTENSIONS, flattened, write_mesh};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
-use tokosen::surface::{Surface, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceParams, build};
 
 use crate::common;
 use crate::guarantees::{Refusal, Tally};
 
 fn surface_of(map: ContourMap) -> Surface {
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    build(map, &SurfaceParams::default(), &()).unwrap().value
+    build(map, &Given::default(), &SurfaceParams::default(), &()).unwrap().value
 }
 
 fn samples() -> Vec<(String, Surface)> {
@@ -282,7 +282,7 @@ fn meshes_of_all_terrain_are_sound() {
             // Terrain may lie within one level; then there is no surface.
             let allowed = [Refusal::NoContour, Refusal::OneContour, Refusal::OneLevel];
             let what = format!("{} {seed}", terrain.kind);
-            let Some(report) = tally.take(build(map, &SurfaceParams::default(), &()), &allowed, &what) else { continue };
+            let Some(report) = tally.take(build(map, &Given::default(), &SurfaceParams::default(), &()), &allowed, &what) else { continue };
             let surface = report.value;
             let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
             prop_assert_eq!(shell.validate(), Ok(()));

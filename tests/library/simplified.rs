@@ -6,7 +6,7 @@ use glam::DVec2;
 use tokosen::contour::Target;
 use tokosen::contour::{ContourLine, Source};
 use tokosen::layers::{LayerParams, SIMPLIFIED, contour_layers};
-use tokosen::surface::{Surface, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceParams, build};
 
 use crate::common::{self, Course};
 use crate::guarantees::{clean_map, map_of};
@@ -23,7 +23,9 @@ fn simplified_lines_follow_the_traced_ones_within_the_tolerance_and_do_not_cross
     let (mut before, mut after, mut largest) = (0, 0, 0.0_f64);
     for terrain in (1..4).flat_map(common::all_kinds) {
         let contours = terrain.contours();
-        let Ok(report) = build(clean_map(map_of(&contours)), &SurfaceParams::default(), &()) else { continue };
+        let Ok(report) = build(clean_map(map_of(&contours)), &Given::default(), &SurfaceParams::default(), &()) else {
+            continue;
+        };
         let (surface, step) = (report.value, quarter_of_interval(&contours));
         let traced = new_lines(&surface, step, Some(0.0));
         for tolerance in [0.01, 0.1, 10.0] {

@@ -13,7 +13,7 @@ use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, axis_heights, skeleton};
 use tokosen::subdivision::{Subdivision, subdivide};
 use tokosen::subdomains::{Frame, Side};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
 use tokosen::tin::VertexKind;
 use tokosen::tuning::SkeletonTuning;
 
@@ -214,7 +214,9 @@ fn the_surface_has_the_same_lines() {
     let found = lines_of(&subdivision, 1.0);
     for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
         let surface =
-            build(subdivision.map.clone(), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value;
+            build(subdivision.map.clone(), &Given::default(), &SurfaceParams { kind, ..SurfaceParams::default() }, &())
+                .unwrap()
+                .value;
         if kind == SurfaceKind::Skeleton {
             assert_eq!(surface.break_lines, found.lines);
         }

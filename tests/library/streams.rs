@@ -13,7 +13,7 @@ use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
 use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::streams::{RiverArea, Stream, StreamLine, Streams};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights, largest_stream_change};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build, heights, largest_stream_change};
 
 /// A valley that falls to the south, `z = (y + 0.75 |x|) / 10`, by its contours every 10 m. Their tips are at x = 0.
 fn valley() -> ContourMap {
@@ -29,9 +29,10 @@ fn built(map: ContourMap, lines: &[&[(f64, f64)]], tolerance: Option<f64>) -> (S
         points: points.iter().map(|&p| p.into()).collect(),
         feature: (k as u64).into(),
     };
-    let streams = Streams { lines: lines.iter().enumerate().map(line).collect(), tolerance, ..Streams::default() };
-    let report =
-        build(map, &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface");
+    let streams = Streams { lines: lines.iter().enumerate().map(line).collect(), ..Streams::default() };
+    let given = Given { streams, ..Given::default() };
+    let params = SurfaceParams { stream_tolerance: tolerance, ..SurfaceParams::default() };
+    let report = build(map, &given, &params, &()).expect("a valley has a surface");
     (report.value, report.findings)
 }
 
@@ -187,8 +188,9 @@ fn streams_of_another_place_are_one_error() {
             points: (0..=66).map(|i| DVec2::new(200.0 * k as f64 + off, 720.0 - 10.0 * f64::from(i))).collect(),
             feature: k.into(),
         };
-        let streams = Streams { lines: (0..12).map(line).collect(), tolerance, ..Streams::default() };
-        build(valleys(), &SurfaceParams { streams, ..SurfaceParams::default() }, &())
+        let streams = Streams { lines: (0..12).map(line).collect(), ..Streams::default() };
+        let params = SurfaceParams { stream_tolerance: tolerance, ..SurfaceParams::default() };
+        build(valleys(), &Given { streams, ..Given::default() }, &params, &())
     };
     let beside = streams(3.0, None).unwrap();
     assert_eq!((beside.value.streams.len(), count(&beside.findings, FindingKind::StreamBeside)), (12, 0));
@@ -284,9 +286,9 @@ fn rise_across(surface: &Surface) -> f32 {
 }
 
 fn built_with_areas(lines: &[StreamLine], areas: Vec<RiverArea>) -> (Surface, Vec<Finding>) {
-    let streams = Streams { lines: lines.to_vec(), areas, tolerance: None };
-    let report =
-        build(valley(), &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface");
+    let streams = Streams { lines: lines.to_vec(), areas };
+    let given = Given { streams, ..Given::default() };
+    let report = build(valley(), &given, &SurfaceParams::default(), &()).expect("a valley has a surface");
     (report.value, report.findings)
 }
 
@@ -317,8 +319,8 @@ fn height_maps_are_level_across_rivers_that_no_contour_crosses() {
     let stream = StreamLine { points: vec![DVec2::new(0.0, 400.0), DVec2::new(0.0, -1480.0)], feature: 0.into() };
     let river = geo::Rect::new((-85.0, -1300.0), (35.0, 0.0)).to_polygon();
     let surface = |areas: Vec<RiverArea>| {
-        let streams = Streams { lines: vec![stream.clone()], areas, tolerance: None };
-        let report = build(map.clone(), &SurfaceParams { streams, ..SurfaceParams::default() }, &());
+        let streams = Streams { lines: vec![stream.clone()], areas };
+        let report = build(map.clone(), &Given { streams, ..Given::default() }, &SurfaceParams::default(), &());
         report.expect("a valley has a surface").value
     };
     let grid = Grid::on_multiples(DVec2::new(-300.0, -1500.0), DVec2::new(500.0, 500.0), 10.0);
@@ -454,8 +456,8 @@ fn beyond_the_cells_of_streams_heights_stay() {
     for seed in 0..6 {
         let map = clean_map(map_of(&common::hills(seed, 60, 50).contours()));
         let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
-        let params = SurfaceParams { streams, ..of_any_place() };
-        let surface = build(map, &params, &()).unwrap().value;
+        let given = Given { streams, ..Given::default() };
+        let surface = build(map, &given, &of_any_place(), &()).unwrap().value;
         let working = &surface.working.as_ref().unwrap().0[0];
         let dem = heights(&surface, &working.grid, &());
         for (n, (after, before)) in dem.values.iter().zip(&working.heights).enumerate() {
@@ -551,13 +553,14 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
             }
             for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
                 let what = format!("{} {kind:?} {seed}", terrain.kind);
-                let streams = Streams { lines: random_streams(&map, seed), tolerance: None, ..Streams::default() };
+                let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
                 let creases = random_break_lines(&map, seed);
-                let params = SurfaceParams { kind, streams, creases, ..of_any_place() };
+                let params = SurfaceParams { kind, ..of_any_place() };
+                let given = Given { streams, creases, ..Given::default() };
                 let spots = map.contours.iter().filter_map(|c| Some((c.points.first()?, c.elevation)));
                 let soft = |(p, z): (&DVec2, f64)| SoftSpot { place: p.extend(z + 3.0), sigma: 2.0 };
                 let map = ContourMap { soft_spots: spots.map(soft).collect(), ..map.clone() };
-                let Some(report) = tally.take(build(map, &params, &()), &ALLOWED, &what) else { continue };
+                let Some(report) = tally.take(build(map, &given, &params, &()), &ALLOWED, &what) else { continue };
                 let surface = report.value;
                 tally.add_lines(check(&surface.map, &surface, terrain.interval / 5.0, &what));
                 check_dem(&surface, terrain.cell, &what);
@@ -581,12 +584,12 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
 fn threads_do_not_change_streams() {
     let terrain = common::hills(5, 60, 50);
     let map = clean_map(map_of(&terrain.contours()));
-    let streams = Streams { lines: random_streams(&map, 5), tolerance: None, ..Streams::default() };
+    let streams = Streams { lines: random_streams(&map, 5), ..Streams::default() };
     let creases = random_break_lines(&map, 5);
-    let params = SurfaceParams { streams, creases, ..of_any_place() };
+    let given = Given { streams, creases, ..Given::default() };
     let in_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(map.clone(), &params, &()).unwrap().value)
+        pool.install(|| build(map.clone(), &given, &of_any_place(), &()).unwrap().value)
     };
     let (one, two) = (in_threads(1), in_threads(2));
     assert!(!one.streams.is_empty());

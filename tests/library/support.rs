@@ -7,7 +7,7 @@ use crate::common::{
 use crate::guarantees::{Refusal, Tally, map_of};
 use geo::Intersects;
 use glam::DVec2;
-use tokosen::surface::{SurfaceParams, build};
+use tokosen::surface::{Given, SurfaceParams, build};
 
 fn line(level: f64, points: &[(f64, f64)]) -> (f64, Vec<DVec2>) {
     (level, points.iter().map(|&(x, y)| DVec2::new(749_340.0 + x, 4_020_658.0 + y)).collect())
@@ -255,7 +255,7 @@ fn cliffs_bring_lines_as_close_as_asked() {
 fn only_maps_without_ground_are_refused() {
     let flat = |level: f64, y: f64| (level, vec![DVec2::new(0.0, y), DVec2::new(9.0, y)]);
     let refusal = |lines: &[(f64, Vec<DVec2>)]| {
-        let made = build(map_of(lines), &SurfaceParams::default(), &());
+        let made = build(map_of(lines), &Given::default(), &SurfaceParams::default(), &());
         Refusal::of(&made.expect_err("no surface can be made of that"))
     };
     assert_eq!(refusal(&[]), Some(Refusal::NoContour));
@@ -277,7 +277,7 @@ fn a_tally_with_too_few_cases_fails() {
     let params = SurfaceParams::default();
     let flat = |level: f64, y: f64| (level, vec![DVec2::new(0.0, y), DVec2::new(9.0, y + 1.0)]);
     for lines in [vec![flat(10.0, 0.0)], vec![flat(10.0, 0.0), flat(20.0, 5.0)]] {
-        tally.take(build(map_of(&lines), &params, &()), &[Refusal::OneContour], "some lines");
+        tally.take(build(map_of(&lines), &Given::default(), &params, &()), &[Refusal::OneContour], "some lines");
     }
     tally.assert_share(0.6, 0.0);
 }
@@ -286,7 +286,7 @@ fn a_tally_with_too_few_cases_fails() {
 #[should_panic(expected = "there is one contour line only")]
 fn a_tally_accepts_no_other_refusal() {
     let line = (10.0, vec![DVec2::ZERO, DVec2::ONE]);
-    let made = build(map_of(&[line]), &SurfaceParams::default(), &());
+    let made = build(map_of(&[line]), &Given::default(), &SurfaceParams::default(), &());
     Tally::default().take(made, &[Refusal::OneLevel], "one line");
 }
 

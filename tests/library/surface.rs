@@ -12,7 +12,7 @@ use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::raster::rasterise;
 use tokosen::spline::Wanted;
 use tokosen::subdomains::Frame;
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build, heights};
 use tokosen::validate::{Chosen, Reason};
 
 use crate::common::{self, Terrain};
@@ -30,7 +30,7 @@ fn line(elevation: f64, points: &[(f64, f64)]) -> Contour {
 fn surface_of(contours: Vec<Contour>, spots: Vec<DVec3>, frame: Frame) -> (Surface, Vec<Finding>) {
     let map = ContourMap { contours, spots, ..ContourMap::default() };
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    let report = build(map, &SurfaceParams { frame, ..SurfaceParams::default() }, &()).unwrap();
+    let report = build(map, &Given::default(), &SurfaceParams { frame, ..SurfaceParams::default() }, &()).unwrap();
     (report.value, report.findings)
 }
 
@@ -289,7 +289,7 @@ fn rmse_of_few_levels(ground: fn(u64, usize, usize) -> Terrain, kind: SurfaceKin
         let mut params = SurfaceParams { kind, ..SurfaceParams::default() };
         params.spline.wanted = Some(Wanted::Grid(grid));
         params.spline.tension = tension;
-        let surface = build(map, &params, &()).unwrap().value;
+        let surface = build(map, &Given::default(), &params, &()).unwrap().value;
         let reason = if tension.is_some() { Reason::Given } else { Reason::FellBack };
         assert!(kind == SurfaceKind::Linear || surface.chosen.unwrap().reason == reason, "{:?}", surface.chosen);
         let found = heights(&surface, &grid, &()).values;

@@ -14,7 +14,7 @@ use tokosen::io::{ReadOptions, read_contours};
 use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::spline::Wanted;
 use tokosen::surface::standard_errors;
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build, heights};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build, heights};
 use tokosen::validate::Provenance;
 
 use crate::common;
@@ -85,7 +85,7 @@ fn surface(contours: Vec<Contour>, kind: SurfaceKind, triangles: Triangles, want
     let map = clean(map, &CleanParams::default()).expect("contours of a function do not cross").value;
     let mut params = SurfaceParams { kind, triangles, uncertainty: Uncertainty::Learnt, ..SurfaceParams::default() };
     params.spline.wanted = wanted;
-    build(map, &params, &()).expect("a clean map").value
+    build(map, &Given::default(), &params, &()).expect("a clean map").value
 }
 
 /// A kind of ground whose heights are known: for each cell with a height, how far that is off and its standard error, metres.
@@ -276,7 +276,7 @@ fn errors_contain_how_far_a_coarse_surface_misses_its_contours() {
     let map = ContourMap { contours: (0..count).map(line).collect(), ..ContourMap::default() };
     let map = clean(map, &CleanParams::default()).expect("parallel lines").value;
     let params = SurfaceParams { uncertainty: Uncertainty::Learnt, ..SurfaceParams::default() };
-    let built = build(map, &params, &()).expect("a clean map");
+    let built = build(map, &Given::default(), &params, &()).expect("a clean map");
     let coarse = built.findings.iter().find(|finding| finding.kind == FindingKind::CoarseNodes);
     assert!(coarse.is_some_and(|finding| finding.message.contains("map units apart")), "{:?}", built.findings);
     // Cells with their centres on the lines.

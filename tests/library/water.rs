@@ -18,7 +18,7 @@ use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::raster::rasterise;
 use tokosen::subdivision::Water;
 use tokosen::subdomains::Frame;
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
 
 fn circle(center: (f64, f64), radius: f64) -> Vec<DVec2> {
     (0..=40).map(|k| DVec2::from(center) + radius * DVec2::from_angle(f64::from(k % 40) * TAU / 40.0)).collect()
@@ -40,7 +40,8 @@ fn lake(height: Option<f64>, exterior: &[DVec2], holes: &[Vec<DVec2>]) -> Lake {
 fn surface_with(contours: Vec<Contour>, water: Water, kind: SurfaceKind) -> (Surface, Vec<Finding>) {
     let map = ContourMap { contours, ..ContourMap::default() };
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    let report = build(map, &SurfaceParams { kind, water, ..SurfaceParams::default() }, &()).unwrap();
+    let (given, params) = (Given { water, ..Given::default() }, SurfaceParams { kind, ..SurfaceParams::default() });
+    let report = build(map, &given, &params, &()).unwrap();
     (report.value, report.findings)
 }
 
@@ -217,7 +218,8 @@ fn a_height_of_water_that_is_none_is_refused() {
     for height in [f64::NAN, f64::INFINITY, -1e30] {
         let map = clean(ContourMap { contours: hollow(), ..ContourMap::default() }, &CleanParams::default()).unwrap();
         let water = flat(vec![lake(Some(height), &circle((0.0, 0.0), 100.0), &[])]);
-        let error = build(map.value, &SurfaceParams { water, ..SurfaceParams::default() }, &()).unwrap_err();
+        let given = Given { water, ..Given::default() };
+        let error = build(map.value, &given, &SurfaceParams::default(), &()).unwrap_err();
         assert!(matches!(&error, Error::Data(m) if m.contains("the lake of feature 1 has the height")), "{error}");
     }
 }
@@ -344,8 +346,8 @@ fn the_sea_is_level_up_to_the_frame_and_islands_rise() {
         }
     }
     let map = ContourMap { contours, ..ContourMap::default() };
-    let params = SurfaceParams { water: Water { sea: Some(3.0), ..Water::default() }, ..SurfaceParams::default() };
-    match build(map, &params, &()) {
+    let given = Given { water: Water { sea: Some(3.0), ..Water::default() }, ..Given::default() };
+    match build(map, &given, &SurfaceParams::default(), &()) {
         Err(Error::Parameter(message)) => assert!(message.contains("are 0 m, 10 m, 20 m"), "{message}"),
         other => panic!("{other:?}"),
     }
@@ -399,11 +401,11 @@ fn any_water_on_any_terrain_keeps_the_rules() {
                 let params = SurfaceParams {
                     kind,
                     frame: [Frame::Hull, Frame::Box][seed as usize % 2].clone(),
-                    water: flat(lakes.clone()),
                     ..SurfaceParams::default()
                 };
                 let what = format!("{} {seed} {kind:?}", terrain.kind);
-                let report = build(map.value, &params, &()).unwrap_or_else(|e| panic!("{what}: {e}"));
+                let given = Given { water: flat(lakes.clone()), ..Given::default() };
+                let report = build(map.value, &given, &params, &()).unwrap_or_else(|e| panic!("{what}: {e}"));
                 check(&report.value, 2.0, &what);
                 wet += report.value.regions.regions.iter().filter(|r| r.water.is_some()).count();
                 woven += report.findings.iter().filter(|f| f.message.contains("weaves")).count();

@@ -12,7 +12,7 @@ use tokosen::contour::{Contour, ContourMap};
 use tokosen::crs::{Crs, Transform};
 use tokosen::io::raster::read_grid;
 use tokosen::io::{ReadOptions, read_area, read_contours};
-use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights, heights_on};
+use tokosen::surface::{Given, SurfaceKind, SurfaceParams, build, heights, heights_on};
 
 use crate::common;
 use crate::maps::put;
@@ -228,7 +228,9 @@ fn heights_on_a_grid_in_degrees_are_those_at_its_places() {
     let corner = way.inverse(middle + DVec2::new(-520.0, 520.0)).unwrap();
     let grid = Grid { corner, cell: DVec2::new(0.0003, 0.0002), cols: 60, rows: 50 };
     for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline] {
-        let surface = build(map.clone(), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value;
+        let surface = build(map.clone(), &Given::default(), &SurfaceParams { kind, ..SurfaceParams::default() }, &())
+            .unwrap()
+            .value;
         let found = heights_on(&surface, &grid, &|p| way.forward(p), &());
         let mut valid = 0;
         for (i, value) in found.iter().enumerate() {

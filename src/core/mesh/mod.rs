@@ -258,7 +258,7 @@ mod tests {
     use super::*;
     use crate::contour::{Contour, ContourMap};
     use crate::subdomains::Frame;
-    use crate::surface::{SurfaceParams, build};
+    use crate::surface::{Given, SurfaceParams, build};
 
     /// Ground that rises to the east by one metre per map unit, cut to the polygons.
     fn slope(polygons: Vec<Polygon<f64>>) -> Surface {
@@ -275,7 +275,7 @@ mod tests {
             .collect();
         let map = ContourMap { contours: (0..8).map(contour).collect(), ..ContourMap::default() };
         let params = SurfaceParams { frame: Frame::Polygon(area), ..SurfaceParams::default() };
-        build(map, &params, &()).unwrap().value
+        build(map, &Given::default(), &params, &()).unwrap().value
     }
 
     fn ring(points: &[(f64, f64)]) -> LineString<f64> {

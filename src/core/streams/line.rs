@@ -37,9 +37,6 @@ pub struct Streams {
     pub lines: Vec<StreamLine>,
     /// River areas. They are level across and fall along, as the streams through them.
     pub areas: Vec<RiverArea>,
-    /// How far a stream is moved to agree with the contours, map units. If `None`: a share of the mean spacing of the
-    /// contours ([`StreamTuning::tolerance`](crate::tuning::StreamTuning::tolerance)).
-    pub tolerance: Option<f64>,
 }
 
 /// A piece of a stream as the surface uses it, from one confluence or end to the next.

@@ -126,7 +126,7 @@ mod tests {
     }
 
     fn found(lines: Vec<StreamLine>, island: bool) -> (Vec<Vec<DVec2>>, usize) {
-        let streams = Streams { lines, areas: vec![bent_river(island)], tolerance: None };
+        let streams = Streams { lines, areas: vec![bent_river(island)] };
         let (all, findings) = with_middle_lines(&streams, 0.01);
         (all[streams.lines.len()..].iter().map(|line| line.points.clone()).collect(), findings.len())
     }

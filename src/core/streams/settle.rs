@@ -38,13 +38,14 @@ pub(crate) struct Settled {
 }
 
 /// Brings streams into agreement with a map and its triangulation. The middle lines of river areas that no stream runs
-/// through are streams too. `by_distance` gives heights by equation (1). `spacing` is the mean spacing of the contours.
+/// through are streams too. `by_distance` gives heights by equation (1). `spacing` is the mean spacing of the
+/// contours; a stream moves by at most `tolerance`.
 /// Heights that are less sure than `known_from` are the mean of the curve along the stream and of the ground beside it.
 pub(crate) fn settle(
     streams: &Streams,
     (map, tin, regions): (&ContourMap, &Tin, &Regions),
     by_distance: &Heights<'_>,
-    spacing: f64,
+    (spacing, tolerance): (f64, f64),
     known_from: Sure,
     tuning: &StreamTuning,
 ) -> Settled {
@@ -52,7 +53,6 @@ pub(crate) fn settle(
     let (lines, mut findings) = with_middle_lines(streams, snap);
     let starts = line_starts(map);
     let ground = Ground { map, tin, regions, starts: &starts };
-    let tolerance = streams.tolerance.unwrap_or(tuning.tolerance * spacing);
     let local = |line: &StreamLine| StreamLine {
         points: line.points.iter().map(|p| *p - tin.origin).collect(),
         feature: line.feature,

@@ -9,6 +9,7 @@ use super::built::Surface;
 use super::coarse::account_for_coarse_nodes;
 use super::conditions::conditions;
 use super::drained::{Wanted, drain_working};
+use super::given::Given;
 use super::given_lines::{GivenLines, known, settle_lines};
 use super::groups::Groups;
 use super::known_lines::give_heights;
@@ -36,12 +37,17 @@ use crate::validate::{Chosen, TrialParams, choose, error_field};
 /// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
 /// is out of range, or when the smooth surface needs more memory than it may take. [`Error::StreamsElsewhere`] if most streams
 /// contradict the contours, unless the map is a part of a larger one: then this is a finding.
-pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
+pub fn build(
+    map: ContourMap,
+    given: &Given,
+    params: &SurfaceParams,
+    progress: &dyn Progress,
+) -> Result<Report<Surface>> {
     params.check()?;
     let tuning = &params.tuning;
     let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
     let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
-    let mut prepared = prepare(map, &params.frame, &params.water)?;
+    let mut prepared = prepare(map, &params.frame, &given.water)?;
     if let Some(whole) = &params.whole {
         (prepared.interval, prepared.spacing) = (whole.interval, Some(whole.spacing));
     }
@@ -63,13 +69,13 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let (chosen, found) = rayon::join(
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval), &params.spline, &first_trials)),
         || {
-            let found = triangulated(prepared, params, (&trials, &groups), &needless, progress);
+            let found = triangulated(prepared, (given, params), (&trials, &groups), &needless, progress);
             found.inspect_err(|_| needless.store(true, Ordering::Relaxed))
         },
     );
     let Triangulated { mut subdivision, trusted, mended, closures, mut streams, mut creases, finer, mut findings } =
         found?;
-    let mut sinks = params.sinks.clone();
+    let mut sinks = given.sinks.clone();
     let mut chosen = of_whole.or(mended).or(chosen);
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
@@ -78,8 +84,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let soft_spots = soft_spots(&subdivision, params.kind, &mut findings);
-    if params.kind != SurfaceKind::Spline && !params.cliffs.is_empty() {
-        let message = format!("{} cliffs: only the smooth surface jumps at them", params.cliffs.len());
+    if params.kind != SurfaceKind::Spline && !given.cliffs.is_empty() {
+        let message = format!("{} cliffs: only the smooth surface jumps at them", given.cliffs.len());
         findings.push(Finding::general(FindingKind::SkippedFeature, message));
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
@@ -87,13 +93,14 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         let streams_of = groups.shared(std::mem::take(&mut streams), |s| s.points.first().map(|p| p.truncate()));
         let sinks_of = groups.shared(std::mem::take(&mut sinks), Sink::place);
         let (mut working, mut triangles) = (Vec::new(), Vec::new());
-        for ((grid, own_streams), own_sinks) in groups.grids(&subdivision, params).iter().zip(streams_of).zip(sinks_of)
+        for ((grid, own_streams), own_sinks) in
+            groups.grids(&subdivision, &given.creases, params).iter().zip(streams_of).zip(sinks_of)
         {
             progress.start(spline::STEP, 0);
             let lines: Vec<KnownLine<'_>> = known(&own_streams, &creases).collect();
             // What a stream knows between contours is a guess, and the surface knows better.
             let surveyed = creases.iter().map(Crease::known).collect();
-            let of_map = conditions(&subdivision, &break_lines, &lines, grid, (&params.cliffs, cliff_reach));
+            let of_map = conditions(&subdivision, &break_lines, &lines, grid, (&given.cliffs, cliff_reach));
             let mut conditions = Conditions {
                 soft_spots: &soft_spots,
                 drainage: Drainage { drain: params.drain, sinks: &own_sinks },
@@ -173,7 +180,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         break_lines,
         streams,
         stream_tolerance: tuning.streams.cell_tolerance * interval.step,
-        river_areas: params.streams.areas.clone(),
+        river_areas: given.streams.areas.clone(),
         creases,
         drain: params.drain,
         sinks,
@@ -207,18 +214,18 @@ struct Triangulated {
 /// give the hyper-parameters without them. The first trials, which run beside this, are then `needless`.
 fn triangulated(
     prepared: Prepared,
-    params: &SurfaceParams,
+    (given, params): (&Given, &SurfaceParams),
     (trials, groups): (&TrialParams<'_>, &Groups),
     needless: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Triangulated> {
-    let Report { value: mut subdivision, mut findings } = prepared.subdivide(&params.water, progress)?;
+    let Report { value: mut subdivision, mut findings } = prepared.subdivide(&given.water, progress)?;
     // The choice that runs beside this takes all elevations as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     needless.store(trusted.is_some(), Ordering::Relaxed);
     if params.kind == SurfaceKind::Spline {
         // Grids are solved one after another, so the largest one decides.
-        let grids = groups.grids(&subdivision, params);
+        let grids = groups.grids(&subdivision, &given.creases, params);
         if let Some(grid) = grids.iter().max_by_key(|grid| grid.len()) {
             let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
             let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
@@ -229,7 +236,8 @@ fn triangulated(
     // What was triangulated takes much of the memory. It is freed as soon as it is not needed any more.
     let mut input = std::mem::take(&mut subdivision.input);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
-    let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
+    let GivenLines { streams, creases, findings: of_lines, heights } =
+        settle_lines(&subdivision, given, params, progress);
     // A part of a map may have few streams, and these may be bad ones.
     let of_whole_map = of_lines.iter().filter(|_| params.whole.is_none());
     if let Some(elsewhere) = of_whole_map.into_iter().find(|finding| finding.kind == FindingKind::StreamsElsewhere) {

@@ -1,5 +1,6 @@
 //! The streams and break lines of a map, in agreement with its contours.
 
+use super::given::Given;
 use super::params::{SurfaceKind, SurfaceParams};
 use crate::base::error::Finding;
 use crate::base::progress::Progress;
@@ -22,46 +23,49 @@ pub struct GivenLines<'a> {
     pub(crate) heights: Option<Heights<'a>>,
 }
 
-/// Brings the streams and break lines of the parameters into agreement with the contours. The linear surface has none.
+/// Brings the given streams and break lines into agreement with the contours. The linear surface has none.
 pub fn settle_lines<'a>(
     subdivision: &'a Subdivision,
+    given: &Given,
     params: &SurfaceParams,
     progress: &dyn Progress,
 ) -> GivenLines<'a> {
-    let mut given = GivenLines::default();
+    let mut settled = GivenLines::default();
     if params.kind == SurfaceKind::Linear {
-        return given;
+        return settled;
     }
     let spacing = subdivision.extent().spacing;
     let Subdivision { map, tin, regions, .. } = subdivision;
-    if !params.streams.lines.is_empty() || !params.streams.areas.is_empty() {
+    if !given.streams.lines.is_empty() || !given.streams.areas.is_empty() {
         progress.start("streams", 0);
-        let heights = given.heights.get_or_insert_with(|| Heights::new(tin, regions));
+        let heights = settled.heights.get_or_insert_with(|| Heights::new(tin, regions));
         // Without a smooth surface, the curve along a stream is what is known between near contours.
         let known_from = if params.kind == SurfaceKind::Skeleton { Sure::Between } else { Sure::Exact };
         let tuning = &params.tuning.streams;
-        let settled = streams::settle(&params.streams, (map, tin, regions), heights, spacing, known_from, tuning);
-        given.streams = settled.streams;
-        given.findings.extend(settled.findings);
+        let tolerance = params.stream_tolerance.unwrap_or(tuning.tolerance * spacing);
+        let found =
+            streams::settle(&given.streams, (map, tin, regions), heights, (spacing, tolerance), known_from, tuning);
+        settled.streams = found.streams;
+        settled.findings.extend(found.findings);
         progress.finish();
     }
     let step = spacing / params.tuning.creases.vertices_per_spacing;
-    let (banks, about_areas) = streams::banks(&params.streams.areas, &given.streams, step);
-    given.findings.extend(about_areas);
-    if !banks.is_empty() || !params.creases.is_empty() {
+    let (banks, about_areas) = streams::banks(&given.streams.areas, &settled.streams, step);
+    settled.findings.extend(about_areas);
+    if !banks.is_empty() || !given.creases.is_empty() {
         progress.start("break lines", 0);
-        let heights = given.heights.get_or_insert_with(|| Heights::new(tin, regions));
+        let heights = settled.heights.get_or_insert_with(|| Heights::new(tin, regions));
         // The heights of banks are those of the streams beside them.
-        let both = [(banks.as_slice(), Sure::Between), (params.creases.as_slice(), Sure::Surveyed)];
+        let both = [(banks.as_slice(), Sure::Between), (given.creases.as_slice(), Sure::Surveyed)];
         for lines in both.into_iter().filter(|(lines, _)| !lines.is_empty()) {
             let interval = subdivision.interval.step;
-            let settled = creases::settle(lines, (tin, regions), heights, interval, spacing, &params.tuning.creases);
-            given.creases.extend(settled.creases);
-            given.findings.extend(settled.findings);
+            let found = creases::settle(lines, (tin, regions), heights, interval, spacing, &params.tuning.creases);
+            settled.creases.extend(found.creases);
+            settled.findings.extend(found.findings);
         }
         progress.finish();
     }
-    given
+    settled
 }
 
 /// Streams and break lines with their heights.

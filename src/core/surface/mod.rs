@@ -14,6 +14,7 @@ mod coarse;
 mod conditions;
 mod drained;
 mod errors;
+mod given;
 mod given_lines;
 mod groups;
 mod height_map;
@@ -37,6 +38,7 @@ pub use built::Surface;
 pub use drained::pits_of;
 pub use drained::working_pits;
 pub use errors::{standard_errors, standard_errors_on};
+pub use given::Given;
 #[doc(hidden)]
 pub use given_lines::settle_lines;
 #[doc(hidden)]

@@ -1,14 +1,9 @@
 //! Parameters of a surface.
 
-use glam::DVec2;
-
 use super::whole::Whole;
 use crate::base::error::{Error, Result};
-use crate::creases::CreaseLine;
-use crate::drain::{Drain, Sink};
+use crate::drain::Drain;
 use crate::spline::SplineParams;
-use crate::streams::Streams;
-use crate::subdivision::Water;
 use crate::subdomains::Frame;
 use crate::tuning::Tuning;
 
@@ -66,18 +61,11 @@ pub struct SurfaceParams {
     pub frame: Frame,
     /// The paper's resolution parameter w. A larger value gives fewer ridge and canyon lines.
     pub resolution: f64,
-    /// Lakes and the sea.
-    pub water: Water,
-    /// Rivers and streams. Not for [`SurfaceKind::Linear`].
-    pub streams: Streams,
-    /// Cliffs, map coordinates. Only for [`SurfaceKind::Spline`].
-    pub cliffs: Vec<Vec<DVec2>>,
-    /// Break lines. Not for [`SurfaceKind::Linear`].
-    pub creases: Vec<CreaseLine>,
+    /// How far a stream is moved to agree with the contours, map units. If `None`: a share of the mean spacing of the contours
+    /// ([`StreamTuning::tolerance`](crate::tuning::StreamTuning::tolerance)).
+    pub stream_tolerance: Option<f64>,
     /// Which pits get a way out. Only for [`SurfaceKind::Spline`].
     pub drain: Drain,
-    /// Where water may stay. Only for [`SurfaceKind::Spline`].
-    pub sinks: Vec<Sink>,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
     /// Figures of the whole map, if the map that is built is a part of one.
@@ -98,12 +86,8 @@ impl Default for SurfaceParams {
             kind: SurfaceKind::default(),
             frame: Frame::default(),
             resolution: 1.0,
-            water: Water::default(),
-            streams: Streams::default(),
-            cliffs: Vec::new(),
-            creases: Vec::new(),
+            stream_tolerance: None,
             drain: Drain::default(),
-            sinks: Vec::new(),
             spline: SplineParams::default(),
             whole: None,
             triangles: Triangles::default(),
@@ -126,7 +110,7 @@ impl SurfaceParams {
         let numbers = [
             ("tension", self.spline.tension),
             ("noise of the contours", self.spline.noise),
-            ("tolerance of streams", self.streams.tolerance),
+            ("tolerance of streams", self.stream_tolerance),
         ];
         for (name, value) in numbers {
             if let Some(value) = value.filter(|v| !v.is_finite() || *v < 0.0) {

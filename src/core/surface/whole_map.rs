@@ -1,5 +1,6 @@
 //! Takes the figures that the surfaces of parts need from the whole map.
 
+use super::given::Given;
 use super::groups::{Groups, node_grid};
 use super::params::{SurfaceKind, SurfaceParams};
 use super::trial_builder::TrialBuilder;
@@ -16,9 +17,9 @@ use crate::validate::{TrialParams, choose};
 ///
 /// # Errors
 /// As [`build`](super::build).
-pub fn whole_map(map: &ContourMap, params: &SurfaceParams) -> Result<Option<Whole>> {
+pub fn whole_map(map: &ContourMap, given: &Given, params: &SurfaceParams) -> Result<Option<Whole>> {
     params.check()?;
-    let Prepared { map, frame, interval, .. } = prepare(map.clone(), &params.frame, &params.water)?;
+    let Prepared { map, frame, interval, .. } = prepare(map.clone(), &params.frame, &given.water)?;
     let extent = MapExtent::new(&map, &frame, interval);
     if Groups::new(&extent, params).largest().is_some() {
         return Ok(None);
@@ -28,6 +29,6 @@ pub fn whole_map(map: &ContourMap, params: &SurfaceParams) -> Result<Option<Whol
     let wanted = params.spline.wanted;
     let trials = TrialParams { frame: &params.frame, wanted, builder: &builder, tuning, needless: None };
     let chosen = (params.kind == SurfaceKind::Spline).then(|| choose(&extent, &params.spline, &trials));
-    let grid = node_grid(whole_grid(&extent, wanted, &tuning.spline.grid), params);
+    let grid = node_grid(whole_grid(&extent, wanted, &tuning.spline.grid), &given.creases, &tuning.creases);
     Ok(Some(Whole { interval, spacing: extent.spacing, grid, chosen }))
 }

@@ -13,40 +13,47 @@ use tokosen_core::spline::{SplineParams, Wanted};
 use tokosen_core::streams::Streams;
 use tokosen_core::subdivision::Water;
 use tokosen_core::subdomains::Frame;
-use tokosen_core::surface::SurfaceParams;
+use tokosen_core::surface::{Given, SurfaceParams};
 
 impl Input {
-    /// The parameters of the surface. Frame, lakes and lines are moved out of the input.
+    /// The parameters of the surface. The frame is moved out of the input.
     pub(in crate::terrain) fn surface_params(&mut self, options: &Options, cells: Option<&Cells>) -> SurfaceParams {
         let wanted = cells.zip(middle(&self.map)).and_then(|(cells, place)| cells.wanted(place));
-        surface_params(options, take(&mut self.features), self.coast.clone(), (take(&mut self.frame), wanted))
+        surface_params(options, take(&mut self.frame), wanted)
+    }
+
+    /// What the map gives beside its contours. Lakes and lines are moved out of the input.
+    pub(in crate::terrain) fn given(&mut self, options: &Options) -> Given {
+        given(take(&mut self.features), options.sea, self.coast.clone())
     }
 }
 
-/// The parameters of a surface with these features and coasts at these levels, in a frame.
-pub(in crate::terrain) fn surface_params(
-    options: &Options,
-    features: Features,
-    coast: Vec<f64>,
-    (frame, wanted): (Frame, Option<Wanted>),
-) -> SurfaceParams {
-    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, .. } = features;
+/// The parameters of a surface in a frame.
+pub(in crate::terrain) fn surface_params(options: &Options, frame: Frame, wanted: Option<Wanted>) -> SurfaceParams {
     SurfaceParams {
         kind: options.kind,
         frame,
         resolution: options.resolution,
-        water: Water { lakes, sea: options.sea, coast },
-        cliffs: cliffs.into_iter().map(|cliff| cliff.points).collect(),
-        creases: break_lines,
-        streams: Streams { lines: streams, areas: river_areas, tolerance: options.stream_tolerance },
+        stream_tolerance: options.stream_tolerance,
         drain: options.drain,
-        sinks,
         spline: SplineParams { wanted, tension: options.tension, noise: options.noise },
         whole: None,
         triangles: options.triangles,
         uncertainty: options.uncertainty,
         memory: options.memory,
         tuning: options.tuning,
+    }
+}
+
+/// Features, the level of the sea, and the levels of coasts, as the surface takes them.
+pub(in crate::terrain) fn given(features: Features, sea: Option<f64>, coast: Vec<f64>) -> Given {
+    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, .. } = features;
+    Given {
+        water: Water { lakes, sea, coast },
+        streams: Streams { lines: streams, areas: river_areas },
+        cliffs: cliffs.into_iter().map(|cliff| cliff.points).collect(),
+        creases: break_lines,
+        sinks,
     }
 }
 

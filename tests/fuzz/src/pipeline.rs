@@ -11,7 +11,7 @@ use tokosen::contour::{Contour, ContourMap, Lake};
 use tokosen::resample::{FitParams, SampleParams};
 use tokosen::subdivision::Water;
 use tokosen::subdomains::Frame;
-use tokosen::surface::{SurfaceKind, SurfaceParams, Triangles};
+use tokosen::surface::{Given, SurfaceKind, SurfaceParams, Triangles};
 
 use crate::guarantees::{Lines, hold};
 
@@ -32,7 +32,7 @@ const SMOOTH: f64 = 64.0;
 /// Errors are fine, panics are not.
 pub fn run(data: &[u8]) -> Option<Result<()>> {
     let case = Bytes { rest: data }.case()?;
-    Some(hold(case.map, &case.lines, &case.params, "bytes"))
+    Some(hold(case.map, &case.lines, (&case.given, &case.params), "bytes"))
 }
 
 /// The most points of a map: what can go wrong does so on small ones, and those are quick.
@@ -41,6 +41,7 @@ const POINTS: usize = 120;
 struct Case {
     map: ContourMap,
     lines: Lines,
+    given: Given,
     params: SurfaceParams,
 }
 
@@ -123,10 +124,10 @@ impl Bytes<'_> {
         let params = SurfaceParams {
             kind: if is_small { kinds[usize::from(how & 3)] } else { SurfaceKind::Skeleton },
             frame,
-            water: Water { lakes, sea, ..Water::default() },
             triangles,
             ..SurfaceParams::default()
         };
+        let given = Given { water: Water { lakes, sea, ..Water::default() }, ..Given::default() };
         let sampling = SampleParams { most: 1_000, ..SampleParams::default() };
         let lines = Lines {
             fit: (what & 1 != 0).then_some(FitParams { tolerance: 0.5 * scale, sampling: None }),
@@ -134,7 +135,7 @@ impl Bytes<'_> {
             snap: if what & 4 != 0 { 1.5 * scale } else { 0.0 },
             is_exact,
         };
-        Some(Case { map, lines, params })
+        Some(Case { map, lines, given, params })
     }
 }
 

@@ -4,12 +4,12 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 use tokosen::mesh::{Mesh, MeshParams, mesh};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
 
 use super::sample::{ALL, map};
 
 fn surface(name: &str, kind: SurfaceKind) -> Surface {
-    build(map(name), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value
+    build(map(name), &Given::default(), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value
 }
 
 fn shell(surface: &Surface) -> Mesh {
