@@ -29,7 +29,7 @@
 //! | [`subdivision::subdivide`](fn@subdivision::subdivide) | a clean map | a [`Subdivision`](subdivision::Subdivision): the triangulation with its sub-domains |
 //! | [`subdomains::landforms`] | a triangulation, its sub-domains | a [`Landform`](subdomains::Landform) per sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | a triangulation, its sub-domains | ridge and canyon lines with heights |
-//! | [`creases::CreaseLine`] | break lines, in [`surface::Given`] | [`creases::Crease`]s in the surface: with heights |
+//! | [`break_lines::BreakLine`] | break lines, in [`surface::Given`] | [`break_lines::FittedBreakLine`]s in the surface: with heights |
 //! | [`streams::Streams`] | lines of rivers, in [`surface::Given`] | [`streams::Stream`]s in the surface: with direction and heights |
 //! | [`drain::Drain`], [`drain::Sink`] | which pits get a way out, and places where water may stay, in [`surface::Given`] | a surface and height maps with fewer pits; [`drain::Pit`]s that are left |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
@@ -151,8 +151,8 @@ pub mod tiling;
 
 #[doc(inline)]
 pub use tokosen_core::{
-    arrays, bands, base, cartography, check, clean, contour, creases, crs, dem, drain, features, layers, mesh, raster,
-    resample, skeleton, slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
+    arrays, bands, base, break_lines, cartography, check, clean, contour, crs, dem, drain, features, layers, mesh,
+    raster, resample, skeleton, slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
 };
 #[cfg(feature = "draw")]
 #[doc(inline)]

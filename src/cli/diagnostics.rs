@@ -49,7 +49,7 @@ impl Diagnostics {
         let layers = [
             pit_points(pits),
             stream_lines(&terrain.surface.streams),
-            break_lines(&terrain.surface.creases),
+            break_lines(&terrain.surface.break_lines),
             of_conflicts(&terrain.findings, &back),
         ];
         write_layers_back(&self.0, &layers, &back)?;

@@ -166,8 +166,8 @@ impl MeshArgs {
         console.step("writing", || write_mesh(&staged.path(), &written)).map_err(|e| staged.with_final_name(e))?;
         if job.draws() {
             let contours = &terrain.input_contours()?.lines;
-            let break_lines = &terrain.surface.break_lines;
-            let shown = Model { mesh: &model, contours, break_lines, units: console.units(), title: None };
+            let skeleton_lines = &terrain.surface.skeleton_lines;
+            let shown = Model { mesh: &model, contours, skeleton_lines, units: console.units(), title: None };
             job.draw(&Drawing::Image(render_model(&shown)?))?;
         }
         Ok(written)

@@ -7,7 +7,7 @@ use tokosen::draw::Scene;
 use tokosen::draw::preview::triangle_patches;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{PlannedOutput, StagedOutput, contour_files, write_layers_back};
-use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
+use tokosen::skeleton::{LineEnd, Skeleton, SkeletonKind, SkeletonLine, junction_edges, skeleton};
 use tokosen::terrain::{clip_edges, clip_skeleton, clip_streams, clip_subdivision};
 use tokosen::tuning::SkeletonTuning;
 
@@ -138,8 +138,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
 
 /// The lines of the summary about ridge and canyon lines.
 fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
-    for (name, kind) in [("ridges", BreakKind::Ridge), ("canyons", BreakKind::Canyon)] {
-        let lines: Vec<&BreakLine> = skeleton.lines.iter().filter(|l| l.kind == kind).collect();
+    for (name, kind) in [("ridges", SkeletonKind::Ridge), ("canyons", SkeletonKind::Canyon)] {
+        let lines: Vec<&SkeletonLine> = skeleton.lines.iter().filter(|l| l.kind == kind).collect();
         let length = lines.iter().map(|l| l.length()).fold(0.0, |sum, length| sum + length);
         let ends = |wanted| lines.iter().flat_map(|l| l.ends).filter(|end| *end == wanted).count();
         console.say(&format!(

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
-use tokosen::creases::Crease;
+use tokosen::break_lines::FittedBreakLine;
 use tokosen::drain::Pit;
-use tokosen::skeleton::BreakKind;
+use tokosen::skeleton::SkeletonKind;
 use tokosen::spline::HyperParameters;
 use tokosen::streams::Stream;
 use tokosen::surface::{Surface, largest_stream_change};
@@ -100,12 +100,12 @@ pub fn surface(surface: &Surface, console: &Console) {
         },
     };
     console.say(&format!("surface    {}{how}", kind(surface)));
-    let lines = |kind| surface.break_lines.iter().filter(|l| l.kind == kind).count();
+    let lines = |kind| surface.skeleton_lines.iter().filter(|l| l.kind == kind).count();
     let inside = (0..surface.tin.len() as u32).filter(|&t| surface.tin.is_inside(t)).count();
-    let skeleton = if surface.break_lines.is_empty() {
+    let skeleton = if surface.skeleton_lines.is_empty() {
         String::new()
     } else {
-        format!(", {} ridge lines, {} canyon lines", lines(BreakKind::Ridge), lines(BreakKind::Canyon))
+        format!(", {} ridge lines, {} canyon lines", lines(SkeletonKind::Ridge), lines(SkeletonKind::Canyon))
     };
     console.detail(&format!("           {} sub-domains, {inside} triangles{skeleton}", surface.regions.regions.len()));
     if let Some(chosen) = &surface.chosen {
@@ -129,7 +129,7 @@ pub fn surface(surface: &Surface, console: &Console) {
             units.rough_height(change)
         ));
     }
-    break_lines(&surface.creases, console);
+    break_lines(&surface.break_lines, console);
     if let Some(chosen) = &surface.chosen {
         accuracy(chosen, console);
     }
@@ -174,15 +174,15 @@ pub fn streams(streams: &[Stream], console: &Console) {
 }
 
 /// Prints how much of the break lines is used.
-fn break_lines(creases: &[Crease], console: &Console) {
-    if creases.is_empty() {
+fn break_lines(break_lines: &[FittedBreakLine], console: &Console) {
+    if break_lines.is_empty() {
         return;
     }
-    let length = creases.iter().map(Crease::length).fold(0.0, |sum, length| sum + length);
-    let surveyed: f64 = creases.iter().map(|crease| crease.length() * crease.surveyed_share()).sum();
+    let length = break_lines.iter().map(FittedBreakLine::length).fold(0.0, |sum, length| sum + length);
+    let surveyed: f64 = break_lines.iter().map(|line| line.length() * line.surveyed_share()).sum();
     console.say(&format!(
         "breaklines {} pieces, length {}; {:.0} % of it with heights of its own",
-        creases.len(),
+        break_lines.len(),
         console.units().length(length),
         100.0 * surveyed / length.max(f64::MIN_POSITIVE)
     ));
@@ -199,7 +199,7 @@ pub fn pits(pits: &[Pit], what: &str, console: &Console) {
 
 /// The kind of a surface in words.
 fn kind(surface: &Surface) -> &'static str {
-    match (&surface.chosen, surface.break_lines.is_empty()) {
+    match (&surface.chosen, surface.skeleton_lines.is_empty()) {
         (Some(_), _) => "smooth",
         (None, false) => "triangles with ridge and canyon lines",
         (None, true) => "triangles",

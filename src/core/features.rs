@@ -1,8 +1,8 @@
 //! What a map has besides contours and spot heights: [`Features`], each in a [`Role`].
 
 use crate::base::error::FindingKind;
+use crate::break_lines::BreakLine;
 use crate::contour::{CliffLine, CoastLine, Excluded, Lake};
-use crate::creases::CreaseLine;
 use crate::drain::Sink;
 use crate::streams::{RiverArea, StreamLine};
 
@@ -166,7 +166,7 @@ pub struct Features {
     /// Rivers as wide as the map shows them.
     pub river_areas: Vec<RiverArea>,
     /// Break lines.
-    pub break_lines: Vec<CreaseLine>,
+    pub break_lines: Vec<BreakLine>,
     /// Places where water may stay.
     pub sinks: Vec<Sink>,
 }

@@ -7,11 +7,11 @@
 pub mod arrays;
 pub mod bands;
 pub mod base;
+pub mod break_lines;
 pub mod cartography;
 pub mod check;
 pub mod clean;
 pub mod contour;
-pub mod creases;
 pub mod crs;
 pub mod dem;
 pub mod drain;

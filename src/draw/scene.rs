@@ -14,7 +14,7 @@ use tokosen_core::contour::{Contour, ContourLine, ContourMap, Interval, Source, 
 use tokosen_core::crs::{Crs, Reprojection};
 use tokosen_core::dem::compare::heights_between;
 use tokosen_core::raster::{Dem, mask, rasterise};
-use tokosen_core::skeleton::BreakLine;
+use tokosen_core::skeleton::SkeletonLine;
 use tokosen_core::subdivision::Subdivision;
 use tokosen_core::surface::{Surface, heights};
 
@@ -29,7 +29,7 @@ pub struct Scene<'a> {
     crs: Option<Crs>,
     frame: Vec<[DVec2; 2]>,
     contours: Cow<'a, [ContourLine]>,
-    break_lines: Cow<'a, [BreakLine]>,
+    skeleton_lines: Cow<'a, [SkeletonLine]>,
     patches: Option<&'a Patches>,
     levels: Vec<f64>,
     subject: Subject,
@@ -53,7 +53,7 @@ impl<'a> Scene<'a> {
             crs: surface.map.crs.clone(),
             frame: surface.frame.edges().collect(),
             contours: Cow::Borrowed(contours),
-            break_lines: Cow::Borrowed(&surface.break_lines),
+            skeleton_lines: Cow::Borrowed(&surface.skeleton_lines),
             patches: None,
             levels: Vec::new(),
             subject: Subject::Ground,
@@ -66,7 +66,7 @@ impl<'a> Scene<'a> {
     /// A triangulated map with its contours, lines, and areas in colour.
     pub fn of_subdivision(
         subdivision: &'a Subdivision,
-        break_lines: &'a [BreakLine],
+        skeleton_lines: &'a [SkeletonLine],
         patches: Option<&'a Patches>,
         reprojection: &'a Reprojection,
         units: Units,
@@ -80,7 +80,7 @@ impl<'a> Scene<'a> {
             crs,
             frame: subdivision.frame.edges().collect(),
             contours: Cow::Owned(contours),
-            break_lines: Cow::Borrowed(break_lines),
+            skeleton_lines: Cow::Borrowed(skeleton_lines),
             patches,
             levels: Vec::new(),
             subject: Subject::BreakLines,
@@ -104,7 +104,7 @@ impl<'a> Scene<'a> {
             crs: dem.crs.clone(),
             frame: Vec::new(),
             contours: Cow::Borrowed(contours),
-            break_lines: Cow::Borrowed(&[]),
+            skeleton_lines: Cow::Borrowed(&[]),
             patches: None,
             levels: Vec::new(),
             subject: Subject::Ground,
@@ -128,12 +128,12 @@ impl<'a> Scene<'a> {
         // A part beside the map has nothing to show.
         let extent = if extent.0.cmplt(extent.1).all() { extent } else { self.extent };
         let flat = |points: &[DVec3]| points.iter().map(|p| p.truncate()).collect();
-        let pieces = pieces(self.break_lines.iter().map(|line| flat(&line.points)), area);
-        let break_lines = pieces
+        let pieces = pieces(self.skeleton_lines.iter().map(|line| flat(&line.points)), area);
+        let skeleton_lines = pieces
             .into_iter()
             .map(|(k, points)| {
                 // Heights of break lines are not drawn.
-                BreakLine { points: points.into_iter().map(|p| p.extend(0.0)).collect(), ..self.break_lines[k] }
+                SkeletonLine { points: points.into_iter().map(|p| p.extend(0.0)).collect(), ..self.skeleton_lines[k] }
             })
             .collect();
         let contours = match self.contours {
@@ -144,7 +144,7 @@ impl<'a> Scene<'a> {
                 Cow::Owned(pieces.into_iter().map(piece).collect())
             }
         };
-        Self { extent, part, contours, break_lines: Cow::Owned(break_lines), ..self }
+        Self { extent, part, contours, skeleton_lines: Cow::Owned(skeleton_lines), ..self }
     }
 
     /// The heights in cells, as far as they are shown.
@@ -158,7 +158,7 @@ impl<'a> Scene<'a> {
 
     fn preview<'b>(&'b self, dem: &'b Dem) -> Preview<'b> {
         Preview {
-            break_lines: &self.break_lines,
+            skeleton_lines: &self.skeleton_lines,
             frame: &self.frame,
             patches: self.patches,
             levels: &self.levels,

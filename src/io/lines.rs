@@ -7,9 +7,9 @@ use super::attributes::is_kind_name;
 use super::table::{Line, Table, Value};
 use tokosen_core::base::FeatureId;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::break_lines::{Bend, BreakLine};
 use tokosen_core::clean::is_place;
 use tokosen_core::contour::CliffLine;
-use tokosen_core::creases::{Bend, CreaseLine};
 use tokosen_core::features::Role;
 use tokosen_core::streams::{RiverArea, StreamLine};
 
@@ -49,7 +49,7 @@ pub(super) fn waterways(path: &Path, mut table: Table) -> Result<Report<(Vec<Str
 
 /// The lines of a table as break lines, in the order of the file. What cannot be one is a finding. If z is 0 everywhere in
 /// the file, the lines have no heights.
-pub(super) fn break_lines(path: &Path, table: Table) -> Result<Report<Vec<CreaseLine>>> {
+pub(super) fn break_lines(path: &Path, table: Table) -> Result<Report<Vec<BreakLine>>> {
     let kind = table.fields.iter().position(|field| is_kind_name(&field.name));
     let all = table.features.iter().flat_map(|feature| &feature.lines);
     let has_heights = all.filter_map(|line| line.z).any(|z| z != [0.0; 2]);
@@ -62,7 +62,7 @@ pub(super) fn break_lines(path: &Path, table: Table) -> Result<Report<Vec<Crease
             Bend::default()
         });
         let heights = if has_heights { line.heights } else { Vec::new() };
-        lines.push(CreaseLine { points: line.points, heights, bend, feature });
+        lines.push(BreakLine { points: line.points, heights, bend, feature });
     })?;
     if let Some((count, example)) = unknown {
         let message = format!(

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use tokosen_core::base::bits::bits;
 use tokosen_core::contour::{Contour, ContourMap, clip};
 use tokosen_core::geometry::{Border, Segment, point_distance};
-use tokosen_core::skeleton::{BreakLine, JunctionEdge, LineEnd, Skeleton};
+use tokosen_core::skeleton::{JunctionEdge, LineEnd, Skeleton, SkeletonLine};
 use tokosen_core::streams::Stream;
 use tokosen_core::subdivision::Subdivision;
 #[cfg(feature = "io")]
@@ -29,15 +29,15 @@ pub fn clip_skeleton(skeleton: &mut Skeleton, area: &MultiPolygon<f64>) {
                 end(points.first(), line.points.first(), line.ends[0]),
                 end(points.last(), line.points.last(), line.ends[1]),
             ];
-            BreakLine { points, ends, ..*line }
+            SkeletonLine { points, ends, ..*line }
         })
         .collect();
 }
 
-/// Cuts break lines at the border of an area; what remains is their courses with heights.
-pub fn clip_creases(creases: &mut Vec<Vec<DVec3>>, area: &MultiPolygon<f64>) {
-    let pieces = pieces(creases.iter().map(Vec::as_slice), area);
-    *creases = pieces.into_iter().map(|(_, points)| points).collect();
+/// Cuts lines with heights at the border of an area.
+pub fn clip_courses(lines: &mut Vec<Vec<DVec3>>, area: &MultiPolygon<f64>) {
+    let pieces = pieces(lines.iter().map(Vec::as_slice), area);
+    *lines = pieces.into_iter().map(|(_, points)| points).collect();
 }
 
 /// Cuts streams at the border of an area.

@@ -4,7 +4,7 @@ use geo::MultiPolygon;
 use glam::DVec3;
 
 use super::base::Background;
-use super::clipped::clip_creases;
+use super::clipped::clip_courses;
 use super::grid::{Cells, GridSpec};
 use super::input::Input;
 use super::options::Options;
@@ -181,13 +181,14 @@ impl Terrain {
         self.check_plane_unit()?;
         params.light.iter().try_for_each(|light| self.check_light(light))?;
         let mut made = mesh(&self.surface, self.part.as_ref(), params)?;
-        let mut creases: Vec<Vec<DVec3>> = self.surface.creases.iter().map(|crease| crease.points.clone()).collect();
+        let mut break_lines: Vec<Vec<DVec3>> =
+            self.surface.break_lines.iter().map(|line| line.points.clone()).collect();
         if let Some(area) = &self.part {
-            clip_creases(&mut creases, area);
+            clip_courses(&mut break_lines, area);
         }
         let origin = made.origin;
-        let relative = |crease: Vec<DVec3>| crease.into_iter().map(|p| p - origin).collect();
-        made.break_lines = creases.into_iter().map(relative).collect();
+        let relative = |line: Vec<DVec3>| line.into_iter().map(|p| p - origin).collect();
+        made.break_lines = break_lines.into_iter().map(relative).collect();
         Ok(made)
     }
 

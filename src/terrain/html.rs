@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::clipped::clip_creases;
+use super::clipped::clip_courses;
 use super::facade::Terrain;
 use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::Result;
@@ -11,7 +11,7 @@ use tokosen_core::contour::Target;
 use tokosen_core::layers::LayerParams;
 use tokosen_core::mesh::{Light, MeshParams};
 use tokosen_core::raster::mask;
-use tokosen_core::skeleton::BreakKind;
+use tokosen_core::skeleton::SkeletonKind;
 use tokosen_core::slice::label_layers;
 use tokosen_core::surface::{standard_errors, water_cells};
 use tokosen_draw::terrain_page::{TerrainPage, terrain_page};
@@ -66,16 +66,16 @@ impl Terrain {
         let units = self.units();
         let labels = label_layers(&layers, None, (lo, hi), units.heights)?;
 
-        let of_kind = |kind| surface.break_lines.iter().filter(move |line| line.kind == kind);
+        let of_kind = |kind| surface.skeleton_lines.iter().filter(move |line| line.kind == kind);
         let courses = |kind| of_kind(kind).map(|line| line.points.clone()).collect();
         let mut lines: Vec<(&str, Vec<Vec<DVec3>>)> = vec![
-            ("ridges", courses(BreakKind::Ridge)),
-            ("canyons", courses(BreakKind::Canyon)),
+            ("ridges", courses(SkeletonKind::Ridge)),
+            ("canyons", courses(SkeletonKind::Canyon)),
             ("streams", surface.streams.iter().map(|stream| stream.points.clone()).collect()),
-            ("breaks", surface.creases.iter().map(|crease| crease.points.clone()).collect()),
+            ("breaks", surface.break_lines.iter().map(|line| line.points.clone()).collect()),
         ];
         if let Some(area) = self.part() {
-            lines.iter_mut().for_each(|(_, lines)| clip_creases(lines, area));
+            lines.iter_mut().for_each(|(_, lines)| clip_courses(lines, area));
         }
         let mut spots = surface.map.spots.clone();
         spots.extend(surface.map.soft_spots.iter().map(|spot| spot.place));

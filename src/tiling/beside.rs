@@ -5,8 +5,8 @@ use geo::{Coord, LineString, MultiPolygon, Polygon};
 use glam::DVec2;
 use tokosen_core::base::FeatureId;
 use tokosen_core::base::error::Result;
+use tokosen_core::break_lines::{Bend, BreakLine};
 use tokosen_core::contour::{CliffLine, Lake};
-use tokosen_core::creases::{Bend, CreaseLine};
 use tokosen_core::drain::{Sink, SinkShape};
 use tokosen_core::features::Features;
 use tokosen_core::streams::{RiverArea, StreamLine};
@@ -105,7 +105,7 @@ pub fn decode(bytes: &mut In<'_>) -> Result<Beside> {
     let break_lines = bytes.each(LEAST, |bytes| {
         let (feature, bend) = (bytes.feature()?, bytes.whole()?);
         let bend = [Bend::Ridge, Bend::Valley].into_iter().find(|known| *known as u64 == bend).unwrap_or_default();
-        Ok(CreaseLine { points: bytes.points()?, heights: bytes.each(8, In::number)?, bend, feature })
+        Ok(BreakLine { points: bytes.points()?, heights: bytes.each(8, In::number)?, bend, feature })
     })?;
     let sinks = bytes.each(LEAST, |bytes| {
         let (feature, point) = (bytes.feature()?, bytes.points()?);
@@ -170,7 +170,7 @@ mod tests {
             ],
             streams: vec![StreamLine { points: points.clone(), feature }],
             river_areas: vec![RiverArea { polygon: square(x), feature }],
-            break_lines: vec![CreaseLine { points, heights: vec![4.0, 0.1], bend: Bend::Valley, feature }],
+            break_lines: vec![BreakLine { points, heights: vec![4.0, 0.1], bend: Bend::Valley, feature }],
             sinks: vec![
                 sink(SinkShape::Point(DVec2::new(x, 5.0))),
                 sink(SinkShape::Area(MultiPolygon(vec![square(x), square(x + 0.5)]))),

@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use tokosen::base::error::{Finding, FindingKind};
+use tokosen::break_lines::{Bend, BreakLine};
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
-use tokosen::creases::{Bend, CreaseLine};
 use tokosen::spline::{SplineParams, Wanted};
 use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
 
@@ -16,14 +16,14 @@ fn slope() -> ContourMap {
     ContourMap { contours: (0..=6).map(contour).collect(), ..ContourMap::default() }
 }
 
-fn line(points: &[(f64, f64)], heights: &[f64], bend: Bend) -> CreaseLine {
-    CreaseLine { points: points.iter().map(|&p| p.into()).collect(), heights: heights.into(), bend, feature: 7.into() }
+fn line(points: &[(f64, f64)], heights: &[f64], bend: Bend) -> BreakLine {
+    BreakLine { points: points.iter().map(|&p| p.into()).collect(), heights: heights.into(), bend, feature: 7.into() }
 }
 
-fn built(map: ContourMap, creases: Vec<CreaseLine>, kind: SurfaceKind) -> (Surface, Vec<Finding>) {
+fn built(map: ContourMap, break_lines: Vec<BreakLine>, kind: SurfaceKind) -> (Surface, Vec<Finding>) {
     let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), ..SplineParams::default() };
     let params = SurfaceParams { kind, spline, ..SurfaceParams::default() };
-    let given = Given { creases, ..Given::default() };
+    let given = Given { break_lines, ..Given::default() };
     let report = build(map, &given, &params, &()).expect("a slope has a surface");
     (report.value, report.findings)
 }
@@ -49,7 +49,7 @@ fn the_surface_passes_through_the_heights_of_a_break_line_and_bends_there() {
     };
     let (surface, findings) = built(slope(), ditch(), SurfaceKind::Spline);
     assert_eq!(findings, []);
-    assert_eq!(surface.creases.len(), 3);
+    assert_eq!(surface.break_lines.len(), 3);
     let (plain, _) = built(slope(), Vec::new(), SurfaceKind::Spline);
     let grid = surface.working.as_ref().unwrap().0[0].grid;
     assert_eq!(grid, plain.working.as_ref().unwrap().0[0].grid);
@@ -81,7 +81,7 @@ fn the_surface_of_noisy_contours_passes_through_surveyed_heights_too() {
     // The bottom of a ditch, 3 m below the ground, midway between two contours.
     let ditch = line(&[(-150.0, 247.5), (150.0, 247.5)], &[22.0; 2], Bend::Valley);
     let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), noise: Some(1.0), ..SplineParams::default() };
-    let given = Given { creases: vec![ditch], ..Given::default() };
+    let given = Given { break_lines: vec![ditch], ..Given::default() };
     let params = SurfaceParams { spline, ..SurfaceParams::default() };
     let surface = build(slope(), &given, &params, &()).expect("a slope has a surface").value;
     for x in [-97.5, 2.5, 97.5] {
@@ -100,8 +100,8 @@ fn the_nodes_are_close_enough_for_lines_beside_each_other() {
     let errors = |nodes_per_line_spacing: f64| {
         let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), ..SplineParams::default() };
         let mut params = SurfaceParams { spline, ..SurfaceParams::default() };
-        params.tuning.creases.nodes_per_line_spacing = nodes_per_line_spacing;
-        let given = Given { creases: ditch().into(), ..Given::default() };
+        params.tuning.break_lines.nodes_per_line_spacing = nodes_per_line_spacing;
+        let given = Given { break_lines: ditch().into(), ..Given::default() };
         let surface = build(slope(), &given, &params, &()).expect("a slope has a surface").value;
         // Both sides of the ditch are planes.
         let truth = [(247.5, 21.85 + 0.5 * 1.0), (252.5, 21.85 + 0.7 * 4.0)];
@@ -122,19 +122,19 @@ fn contours_win_over_heights_of_break_lines_and_that_is_told() {
     let told: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::BreakLineConflict).collect();
     assert_eq!(told.len(), 1, "{findings:?}");
     assert!(told[0].message.contains("above") && told[0].features[0] == 7, "{told:?}");
-    let crease = &surface.creases[0];
+    let line = &surface.break_lines[0];
     for level in [20.0, 30.0] {
-        assert!(crease.points.contains(&DVec3::new(0.0, 10.0 * level, level)), "{:?}", crease.points);
+        assert!(line.points.contains(&DVec3::new(0.0, 10.0 * level, level)), "{:?}", line.points);
     }
-    assert!(crease.points.iter().filter(|p| p.y > 200.0 && p.y < 300.0).all(|p| p.z > 20.0 && p.z < 30.0));
+    assert!(line.points.iter().filter(|p| p.y > 200.0 && p.y < 300.0).all(|p| p.z > 20.0 && p.z < 30.0));
 }
 
 #[test]
 fn what_lies_outside_is_told_with_its_length() {
     let inside = line(&[(0.0, 550.0), (0.0, 700.0)], &[], Bend::Either);
-    let far = CreaseLine { feature: 8.into(), ..line(&[(900.0, 0.0), (950.0, 0.0)], &[1.0, 2.0], Bend::Either) };
+    let far = BreakLine { feature: 8.into(), ..line(&[(900.0, 0.0), (950.0, 0.0)], &[1.0, 2.0], Bend::Either) };
     let (surface, findings) = built(slope(), vec![inside, far], SurfaceKind::Spline);
-    assert_eq!(surface.creases.len(), 1);
+    assert_eq!(surface.break_lines.len(), 1);
     let told: Vec<&str> = findings.iter().map(|f| f.message.as_str()).collect();
     assert!(told.len() == 2 && told[0].starts_with("100.0 map") && told[1].starts_with("50.0 map"), "{told:?}");
 }

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 use tokosen::base::Grid;
+use tokosen::break_lines::{Bend, BreakLine};
 use tokosen::contour::{Contour, ContourMap};
-use tokosen::creases::{Bend, CreaseLine};
 use tokosen::streams::{StreamLine, Streams};
 use tokosen::surface::{Given, SurfaceKind, SurfaceParams, build, heights};
 
@@ -44,7 +44,7 @@ fn no_ridge_or_canyon_point_stands_in_a_stream() {
 #[test]
 fn no_ridge_or_canyon_point_stands_in_a_surveyed_line() {
     let heights = BOTTOM.map(|p| 0.1 * p.y).into();
-    let line = CreaseLine { points: BOTTOM.into(), heights, bend: Bend::Valley, feature: 7.into() };
-    let most = farthest_from_bottom(&Given { creases: vec![line], ..Given::default() });
+    let line = BreakLine { points: BOTTOM.into(), heights, bend: Bend::Valley, feature: 7.into() };
+    let most = farthest_from_bottom(&Given { break_lines: vec![line], ..Given::default() });
     assert!(most < 5.0, "{most}");
 }

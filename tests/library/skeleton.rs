@@ -10,7 +10,7 @@ use glam::DVec2;
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap, clip};
 use tokosen::io::{ReadOptions, read_contours};
-use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, axis_heights, skeleton};
+use tokosen::skeleton::{LineEnd, Skeleton, SkeletonKind, SkeletonLine, axis_heights, skeleton};
 use tokosen::subdivision::{Subdivision, subdivide};
 use tokosen::subdomains::{Frame, Side};
 use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build};
@@ -62,7 +62,7 @@ fn bits(p: DVec2) -> [u64; 2] {
 }
 
 /// Every line falls from each vertex to the next, lies in its band, and its ends are what they say.
-fn check(subdivision: &Subdivision, lines: &[BreakLine], what: &str) {
+fn check(subdivision: &Subdivision, lines: &[SkeletonLine], what: &str) {
     let tin = &subdivision.tin;
     let on_contour = (0..tin.positions.len()).filter(|&v| tin.kinds[v] == VertexKind::Contour);
     let contour: HashMap<[u64; 2], f64> =
@@ -94,7 +94,7 @@ fn lines_fall_on_all_kinds_of_terrain() {
             for resolution in [0.0, 1.0, 3.0] {
                 let found = lines_of(&subdivision, resolution);
                 check(&subdivision, &found.lines, &format!("{} {seed}, w {resolution}", terrain.kind));
-                canyons += found.lines.iter().filter(|l| l.kind == BreakKind::Canyon).count();
+                canyons += found.lines.iter().filter(|l| l.kind == SkeletonKind::Canyon).count();
             }
         }
     }
@@ -102,12 +102,12 @@ fn lines_fall_on_all_kinds_of_terrain() {
 }
 
 /// Of the places where lines of one kind reach a contour from one side: how many, and at how many a line of that kind goes on.
-fn continued(lines: &[BreakLine]) -> (usize, usize) {
+fn continued(lines: &[SkeletonLine]) -> (usize, usize) {
     let mut at: HashMap<(bool, [u64; 2]), HashSet<u32>> = HashMap::new();
     for line in lines {
         for (end, p) in line.ends.iter().zip([line.points[0], line.points[line.points.len() - 1]]) {
             if *end == LineEnd::Contour {
-                at.entry((line.kind == BreakKind::Ridge, bits(p.truncate()))).or_default().insert(line.region);
+                at.entry((line.kind == SkeletonKind::Ridge, bits(p.truncate()))).or_default().insert(line.region);
             }
         }
     }
@@ -115,11 +115,11 @@ fn continued(lines: &[BreakLine]) -> (usize, usize) {
 }
 
 /// The same for lines that arrive from the contour before: down canyons, up ridges.
-fn arrivals(lines: &[BreakLine]) -> (usize, usize) {
-    let at = |l: &BreakLine, lower: bool| if lower { l.points[l.points.len() - 1] } else { l.points[0] };
-    let on_contour = |l: &BreakLine, lower: bool| l.ends[usize::from(lower)] == LineEnd::Contour;
-    let key = |l: &BreakLine, lower: bool| (l.kind, bits(at(l, lower).truncate()));
-    let down = |l: &BreakLine| l.kind == BreakKind::Canyon;
+fn arrivals(lines: &[SkeletonLine]) -> (usize, usize) {
+    let at = |l: &SkeletonLine, lower: bool| if lower { l.points[l.points.len() - 1] } else { l.points[0] };
+    let on_contour = |l: &SkeletonLine, lower: bool| l.ends[usize::from(lower)] == LineEnd::Contour;
+    let key = |l: &SkeletonLine, lower: bool| (l.kind, bits(at(l, lower).truncate()));
+    let down = |l: &SkeletonLine| l.kind == SkeletonKind::Canyon;
     let starts: HashSet<_> = lines.iter().filter(|l| on_contour(l, !down(l))).map(|l| key(l, !down(l))).collect();
     let ends: HashSet<_> = lines.iter().filter(|l| on_contour(l, down(l))).map(|l| key(l, down(l))).collect();
     (ends.len(), ends.intersection(&starts).count())
@@ -157,15 +157,15 @@ fn left_behind(subdivision: &Subdivision, found: &Skeleton) -> usize {
     for line in &found.lines {
         let points = [line.points[0], line.points[line.points.len() - 1]];
         for (k, p) in points.into_iter().enumerate().filter(|(k, _)| line.ends[*k] == LineEnd::Contour) {
-            if (k == 0) == (line.kind == BreakKind::Ridge) {
+            if (k == 0) == (line.kind == SkeletonKind::Ridge) {
                 ends.push((line, p));
             } else {
                 starts.insert((line.kind, bits(p.truncate())));
             }
         }
     }
-    let leads_on = |(line, p): &(&BreakLine, glam::DVec3)| {
-        let way = if line.kind == BreakKind::Ridge { Side::Above } else { Side::Below };
+    let leads_on = |(line, p): &(&SkeletonLine, glam::DVec3)| {
+        let way = if line.kind == SkeletonKind::Ridge { Side::Above } else { Side::Below };
         let flat = |t: u32| tin.corner_heights(t).iter().all(|&h| h == p.z);
         let beyond = |t: u32| {
             let region = regions.of_triangle[t as usize];
@@ -195,7 +195,7 @@ fn more_resolution_leaves_fewer_and_shorter_lines() {
             .into_iter()
             .map(|w| {
                 let lines = lines_of(&subdivision, w).lines;
-                (w, lines.len(), lines.iter().map(BreakLine::length).sum())
+                (w, lines.len(), lines.iter().map(SkeletonLine::length).sum())
             })
             .collect();
         // Where nothing more is dropped, the lengths may be summed in another order.
@@ -218,10 +218,10 @@ fn the_surface_has_the_same_lines() {
                 .unwrap()
                 .value;
         if kind == SurfaceKind::Skeleton {
-            assert_eq!(surface.break_lines, found.lines);
+            assert_eq!(surface.skeleton_lines, found.lines);
         }
-        let length = |lines: &[BreakLine]| lines.iter().map(|l| l.length()).sum::<f64>();
-        let (own, paper) = (length(&surface.break_lines), length(&found.lines));
+        let length = |lines: &[SkeletonLine]| lines.iter().map(|l| l.length()).sum::<f64>();
+        let (own, paper) = (length(&surface.skeleton_lines), length(&found.lines));
         assert!((own - paper).abs() < 1e-9 * paper, "{own} {paper}");
         check_heights(&surface);
     }
@@ -232,7 +232,7 @@ fn check_heights(surface: &Surface) {
     let height: HashMap<[u64; 2], f64> = (0..surface.tin.positions.len() as u32)
         .map(|v| (bits(surface.tin.point(v).truncate()), surface.tin.heights[v as usize]))
         .collect();
-    for line in &surface.break_lines {
+    for line in &surface.skeleton_lines {
         assert!(line.points.windows(2).all(|w| w[0].z > w[1].z), "{:?}", line.points);
         for p in &line.points {
             assert_eq!(height.get(&bits(p.truncate())), Some(&p.z));

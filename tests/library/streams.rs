@@ -8,9 +8,9 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::{Error, Finding, FindingKind};
+use tokosen::break_lines::{Bend, BreakLine};
 use tokosen::contour::Target;
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
-use tokosen::creases::{Bend, CreaseLine};
 use tokosen::layers::{LayerParams, contour_layers};
 use tokosen::streams::{RiverArea, Stream, StreamLine, Streams};
 use tokosen::surface::{Given, Surface, SurfaceKind, SurfaceParams, build, heights, largest_stream_change};
@@ -301,7 +301,7 @@ fn a_river_area_is_level_across_and_falls_along() {
     let told: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::StreamLeftOut).collect();
     assert!(told.len() == 1 && told[0].features[0] == 2, "{findings:?}");
     // The heights of the banks come from the stream, and no survey gives them.
-    assert!(!with.creases.is_empty() && with.creases.iter().all(|bank| bank.surveyed_share() == 0.0));
+    assert!(!with.break_lines.is_empty() && with.break_lines.iter().all(|bank| bank.surveyed_share() == 0.0));
     let [without, with] = [without, with].map(|surface| rise_across(&surface));
     assert!(without > 0.5 && with < 0.3 * without, "{with} {without}");
 }
@@ -523,17 +523,17 @@ fn random_streams(map: &ContourMap, seed: u64) -> Vec<StreamLine> {
 }
 
 /// Break lines anywhere on a map: with heights that fit the ground or do not, and without.
-fn random_break_lines(map: &ContourMap, seed: u64) -> Vec<CreaseLine> {
+fn random_break_lines(map: &ContourMap, seed: u64) -> Vec<BreakLine> {
     let levels = |k: usize| map.contours[k % map.contours.len()].elevation;
-    let crease = |(k, line): (usize, StreamLine)| {
+    let line = |(k, line): (usize, StreamLine)| {
         let heights = match k {
             0 => Vec::new(),
             _ => (0..line.points.len()).map(|i| levels(k) + (i * k) as f64).collect(),
         };
         let bend = [Bend::Either, Bend::Ridge, Bend::Valley][k % 3];
-        CreaseLine { points: line.points, heights, bend, feature: (100 + k as u64).into() }
+        BreakLine { points: line.points, heights, bend, feature: (100 + k as u64).into() }
     };
-    random_streams(map, seed ^ 0x5eed).into_iter().take(4).enumerate().map(crease).collect()
+    random_streams(map, seed ^ 0x5eed).into_iter().take(4).enumerate().map(line).collect()
 }
 
 #[test]
@@ -554,9 +554,9 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
             for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
                 let what = format!("{} {kind:?} {seed}", terrain.kind);
                 let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
-                let creases = random_break_lines(&map, seed);
+                let break_lines = random_break_lines(&map, seed);
                 let params = SurfaceParams { kind, ..of_any_place() };
-                let given = Given { streams, creases, ..Given::default() };
+                let given = Given { streams, break_lines, ..Given::default() };
                 let spots = map.contours.iter().filter_map(|c| Some((c.points.first()?, c.elevation)));
                 let soft = |(p, z): (&DVec2, f64)| SoftSpot { place: p.extend(z + 3.0), sigma: 2.0 };
                 let map = ContourMap { soft_spots: spots.map(soft).collect(), ..map.clone() };
@@ -566,10 +566,10 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
                 check_dem(&surface, terrain.cell, &what);
                 assert_falls(&surface, &what);
                 used.set(used.get() + surface.streams.len());
-                creased.set(creased.get() + surface.creases.len());
+                creased.set(creased.get() + surface.break_lines.len());
                 // No input line is lost without a word.
                 let mut told: Vec<u64> = surface.streams.iter().map(|s| s.feature.number()).collect();
-                told.extend(surface.creases.iter().map(|c| c.feature.number()));
+                told.extend(surface.break_lines.iter().map(|c| c.feature.number()));
                 told.extend(report.findings.iter().flat_map(|f| &f.features).map(|f| f.number()));
                 assert!((0..8).chain(100..104).all(|k| told.contains(&k)), "{what}: {told:?}");
             }
@@ -585,8 +585,8 @@ fn threads_do_not_change_streams() {
     let terrain = common::hills(5, 60, 50);
     let map = clean_map(map_of(&terrain.contours()));
     let streams = Streams { lines: random_streams(&map, 5), ..Streams::default() };
-    let creases = random_break_lines(&map, 5);
-    let given = Given { streams, creases, ..Given::default() };
+    let break_lines = random_break_lines(&map, 5);
+    let given = Given { streams, break_lines, ..Given::default() };
     let in_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| build(map.clone(), &given, &of_any_place(), &()).unwrap().value)
@@ -594,7 +594,7 @@ fn threads_do_not_change_streams() {
     let (one, two) = (in_threads(1), in_threads(2));
     assert!(!one.streams.is_empty());
     assert_eq!(one.streams, two.streams);
-    assert_eq!(one.creases, two.creases);
+    assert_eq!(one.break_lines, two.break_lines);
     let bits = |surface: &Surface| {
         let values = surface.working.as_ref().unwrap().0[0].heights.iter().map(|z| z.to_bits());
         values.collect::<Vec<u32>>()

@@ -1,11 +1,11 @@
 //! The steps from a triangulation to its skeleton.
 
 use super::axis::axis;
-use super::break_line::BreakLine;
 use super::eliminate::{Elimination, eliminate};
 use super::flow::{Flow, flow};
 use super::heights::{Heights, axis_heights};
-use super::lines::break_lines;
+use super::line::SkeletonLine;
+use super::lines::skeleton_lines;
 use super::pieces::{Axis, AxisPoint};
 use crate::subdomains::Regions;
 use crate::tin::{Tin, TriangleKind, triangle_kinds};
@@ -19,7 +19,7 @@ pub struct Skeleton {
     /// Heights of the axis points, and the direction in which the pieces fall.
     pub flow: Flow,
     /// Ridge and canyon lines.
-    pub lines: Vec<BreakLine>,
+    pub lines: Vec<SkeletonLine>,
     /// Kind of each triangle.
     pub kinds: Vec<TriangleKind>,
     /// Junctions that were turned into sleeves, and the branches that were dropped with them.
@@ -48,6 +48,6 @@ fn skeleton_by(
     let axis = axis(tin, &kinds, regions, &elimination, tuning.join_reach);
     let heights = heights(&axis.points);
     let flow = flow(tin, regions, &axis, heights, tuning);
-    let lines = break_lines(tin, regions, &axis, &flow);
+    let lines = skeleton_lines(tin, regions, &axis, &flow);
     Skeleton { axis, flow, lines, kinds, elimination }
 }

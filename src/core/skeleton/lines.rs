@@ -8,15 +8,15 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::break_line::{BreakKind, BreakLine, LineEnd};
 use super::flow::{Flow, is_ridge};
+use super::line::{LineEnd, SkeletonKind, SkeletonLine};
 use super::pieces::{Axis, End};
 use crate::base::union_find::UnionFind;
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, VertexKind};
 
 /// Traces the lines of an axis along its flow, in the order of their first pieces. All run downhill.
-pub fn break_lines(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow) -> Vec<BreakLine> {
+pub fn skeleton_lines(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow) -> Vec<SkeletonLine> {
     let trunks = Trunks::new(tin, axis, flow);
     let mut lines = Vec::new();
     let mut ends_of: Vec<[End; 2]> = Vec::new();
@@ -119,7 +119,7 @@ impl Trunks {
 }
 
 /// A line from its ends in the direction of the flow.
-fn line(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow, trunks: &Trunks, ends: Vec<End>) -> BreakLine {
+fn line(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow, trunks: &Trunks, ends: Vec<End>) -> SkeletonLine {
     let points = ends.iter().map(|&end| match end {
         End::Axis(p) => (axis.points[p as usize].position + tin.origin).extend(flow.heights[p as usize]),
         End::Vertex(v) => tin.point(v),
@@ -131,15 +131,15 @@ fn line(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow, trunks: &Trunks,
     });
     let (region, level) = on_axis.map_or((NONE, f64::NAN), |p| (p.region, p.level.unwrap_or(f64::NAN)));
     let ridge = on_axis.is_some() && is_ridge(regions, region, level);
-    let kind = if ridge { BreakKind::Ridge } else { BreakKind::Canyon };
+    let kind = if ridge { SkeletonKind::Ridge } else { SkeletonKind::Canyon };
     let first = what_ends(tin, axis, trunks, kind, Place::Start(ends[0]));
     let last = what_ends(tin, axis, trunks, kind, Place::Finish(ends[ends.len() - 1]));
     let mut ends = [first, last];
-    if kind == BreakKind::Ridge {
+    if kind == SkeletonKind::Ridge {
         points.reverse();
         ends.reverse();
     }
-    BreakLine { kind, points, region, ends, network: 0 }
+    SkeletonLine { kind, points, region, ends, network: 0 }
 }
 
 /// The two ends of a line in the direction of the flow.
@@ -150,7 +150,7 @@ enum Place {
 }
 
 /// What is at an end of a line.
-fn what_ends(tin: &Tin, axis: &Axis, trunks: &Trunks, kind: BreakKind, place: Place) -> LineEnd {
+fn what_ends(tin: &Tin, axis: &Axis, trunks: &Trunks, kind: SkeletonKind, place: Place) -> LineEnd {
     let (Place::Start(end) | Place::Finish(end)) = place;
     let End::Axis(p) = end else { return LineEnd::Contour };
     let [ending, beginning] = trunks.at[p as usize].count;
@@ -160,7 +160,7 @@ fn what_ends(tin: &Tin, axis: &Axis, trunks: &Trunks, kind: BreakKind, place: Pl
         return found;
     }
     match (place, ending, beginning) {
-        (Place::Finish(_), _, 0) if kind == BreakKind::Canyon => LineEnd::Bottom,
+        (Place::Finish(_), _, 0) if kind == SkeletonKind::Canyon => LineEnd::Bottom,
         (Place::Finish(_), _, 0) => LineEnd::Peak,
         (Place::Start(_), 0, _) => LineEnd::Saddle,
         _ => LineEnd::Junction,
@@ -182,7 +182,7 @@ fn open_side(tin: &Tin, t: u32) -> Option<LineEnd> {
 }
 
 /// Gives lines that share end points, directly or through other lines, one network number, in the order of the lines.
-fn number_networks(lines: &mut [BreakLine], ends: &[[End; 2]]) {
+fn number_networks(lines: &mut [SkeletonLine], ends: &[[End; 2]]) {
     let mut networks = UnionFind::new(lines.len());
     let mut first_at: HashMap<End, usize> = HashMap::new();
     for (k, pair) in ends.iter().enumerate() {

@@ -18,7 +18,7 @@ use rstar::{AABB, RTree};
 use super::line::{RiverArea, Stream};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Sure, parallel};
-use crate::creases::{Bend, CreaseLine};
+use crate::break_lines::{Bend, BreakLine};
 use crate::geometry::Border;
 
 /// A piece of a stream between two vertices, with its ends and whether both heights are known.
@@ -26,7 +26,7 @@ type Piece = GeomWithData<Line<[f64; 2]>, ([DVec3; 2], bool)>;
 
 /// The banks of river areas, as break lines with vertices at most `step` apart (map units). Areas that no stream runs
 /// through are findings.
-pub(crate) fn banks(areas: &[RiverArea], streams: &[Stream], step: f64) -> (Vec<CreaseLine>, Vec<Finding>) {
+pub(crate) fn banks(areas: &[RiverArea], streams: &[Stream], step: f64) -> (Vec<BreakLine>, Vec<Finding>) {
     if areas.is_empty() {
         return Default::default();
     }
@@ -38,12 +38,12 @@ pub(crate) fn banks(areas: &[RiverArea], streams: &[Stream], step: f64) -> (Vec<
         })
     });
     let pieces: RTree<Piece> = RTree::bulk_load(pieces.collect());
-    let found: Vec<(Vec<CreaseLine>, Option<Finding>)> = parallel::map_each(areas, |area| of_area(area, &pieces, step));
+    let found: Vec<(Vec<BreakLine>, Option<Finding>)> = parallel::map_each(areas, |area| of_area(area, &pieces, step));
     let (lines, findings): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     (lines.into_iter().flatten().collect(), findings.into_iter().flatten().collect())
 }
 
-fn of_area(area: &RiverArea, pieces: &RTree<Piece>, step: f64) -> (Vec<CreaseLine>, Option<Finding>) {
+fn of_area(area: &RiverArea, pieces: &RTree<Piece>, step: f64) -> (Vec<BreakLine>, Option<Finding>) {
     let Some(rect) = area.polygon.bounding_rect() else { return (Vec::new(), None) };
     let border = Border::new(&MultiPolygon::from(area.polygon.clone()));
     let near = pieces.locate_in_envelope_intersecting(&AABB::from_corners(
@@ -72,7 +72,7 @@ fn of_area(area: &RiverArea, pieces: &RTree<Piece>, step: f64) -> (Vec<CreaseLin
     let bank = |ring: &LineString<f64>| {
         let points = dense(ring, step);
         let heights = points.iter().map(|p| height(*p)).collect();
-        CreaseLine { points, heights, bend: Bend::Either, feature: area.feature }
+        BreakLine { points, heights, bend: Bend::Either, feature: area.feature }
     };
     let rings = std::iter::once(area.polygon.exterior()).chain(area.polygon.interiors());
     (rings.map(bank).collect(), None)

@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 
+use crate::break_lines::FittedBreakLine;
 use crate::contour::{ContourMap, Interval};
-use crate::creases::Crease;
 use crate::drain::{Drain, Sink};
-use crate::skeleton::BreakLine;
+use crate::skeleton::SkeletonLine;
 use crate::spline::WorkingGrids;
 use crate::streams::{RiverArea, Stream};
 use crate::subdomains::{FrameRing, Regions};
@@ -25,7 +25,7 @@ pub struct Surface {
     /// on the right.
     pub closures: Vec<(f64, [DVec2; 2])>,
     /// Ridge and canyon lines; empty for [`SurfaceKind::Linear`](super::SurfaceKind::Linear).
-    pub break_lines: Vec<BreakLine>,
+    pub skeleton_lines: Vec<SkeletonLine>,
     /// The streams as they are used.
     pub streams: Vec<Stream>,
     /// How far cells of height maps may be from the height of the stream through them, metres.
@@ -33,7 +33,7 @@ pub struct Surface {
     /// The given river areas: height maps are level across them.
     pub river_areas: Vec<RiverArea>,
     /// The given break lines as they are used.
-    pub creases: Vec<Crease>,
+    pub break_lines: Vec<FittedBreakLine>,
     /// Which pits get a way out in height maps.
     pub drain: Drain,
     /// Where water may stay. A point is the deepest place of its pit.

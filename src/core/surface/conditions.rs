@@ -7,7 +7,7 @@ use crate::base::bits::bits;
 use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::ContourMap;
 use crate::raster::{heights_at, locate};
-use crate::skeleton::BreakLine;
+use crate::skeleton::SkeletonLine;
 use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
@@ -18,7 +18,7 @@ use crate::tin::{NONE, Tin, VertexKind};
 /// act.
 pub(crate) fn conditions<'a>(
     subdivision: &'a Subdivision,
-    break_lines: &[BreakLine],
+    skeleton_lines: &[SkeletonLine],
     known: &[KnownLine<'_>],
     grid: &Grid,
     (cliffs, cliff_reach): (&'a [Vec<DVec2>], f64),
@@ -63,7 +63,7 @@ pub(crate) fn conditions<'a>(
     let hollows: Vec<bool> = parallel::values_each(&triangles, |&t| {
         t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize]
     });
-    let flat = |line: &BreakLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
+    let flat = |line: &SkeletonLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
     Conditions {
         grid: *grid,
         tin,
@@ -71,7 +71,7 @@ pub(crate) fn conditions<'a>(
         triangles,
         contours: subdivision.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect(),
         spots: subdivision.used_spots().collect(),
-        creases: break_lines.iter().map(flat).collect(),
+        creases: skeleton_lines.iter().map(flat).collect(),
         interval: subdivision.interval.step,
         spacing: subdivision.extent().spacing,
         bounds: [lo, hi],

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::creases::CreaseLine;
+use crate::break_lines::BreakLine;
 use crate::drain::Sink;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -17,7 +17,7 @@ pub struct Given {
     /// Cliffs, map coordinates. Only for [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
     pub cliffs: Vec<Vec<DVec2>>,
     /// Break lines. Not for [`SurfaceKind::Linear`](super::SurfaceKind::Linear).
-    pub creases: Vec<CreaseLine>,
+    pub break_lines: Vec<BreakLine>,
     /// Where water may stay. Only for [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
     pub sinks: Vec<Sink>,
 }

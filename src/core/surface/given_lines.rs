@@ -5,7 +5,7 @@ use super::params::{SurfaceKind, SurfaceParams};
 use crate::base::error::Finding;
 use crate::base::progress::Progress;
 use crate::base::{KnownLine, Sure};
-use crate::creases::{self, Crease};
+use crate::break_lines::{self, FittedBreakLine};
 use crate::skeleton::Heights;
 use crate::streams::{self, Stream};
 use crate::subdivision::Subdivision;
@@ -16,7 +16,7 @@ pub struct GivenLines<'a> {
     /// The streams, with heights.
     pub streams: Vec<Stream>,
     /// The break lines, with heights.
-    pub creases: Vec<Crease>,
+    pub break_lines: Vec<FittedBreakLine>,
     /// What was turned, moved, cut, left out, or contradicts the contours.
     pub findings: Vec<Finding>,
     /// Heights by the distance from contours, if any line needed them.
@@ -49,18 +49,19 @@ pub fn settle_lines<'a>(
         settled.findings.extend(found.findings);
         progress.finish();
     }
-    let step = spacing / params.tuning.creases.vertices_per_spacing;
+    let step = spacing / params.tuning.break_lines.vertices_per_spacing;
     let (banks, about_areas) = streams::banks(&given.streams.areas, &settled.streams, step);
     settled.findings.extend(about_areas);
-    if !banks.is_empty() || !given.creases.is_empty() {
+    if !banks.is_empty() || !given.break_lines.is_empty() {
         progress.start("break lines", 0);
         let heights = settled.heights.get_or_insert_with(|| Heights::new(tin, regions));
         // The heights of banks are those of the streams beside them.
-        let both = [(banks.as_slice(), Sure::Between), (given.creases.as_slice(), Sure::Surveyed)];
+        let both = [(banks.as_slice(), Sure::Between), (given.break_lines.as_slice(), Sure::Surveyed)];
         for lines in both.into_iter().filter(|(lines, _)| !lines.is_empty()) {
             let interval = subdivision.interval.step;
-            let found = creases::settle(lines, (tin, regions), heights, interval, spacing, &params.tuning.creases);
-            settled.creases.extend(found.creases);
+            let found =
+                break_lines::settle(lines, (tin, regions), heights, interval, spacing, &params.tuning.break_lines);
+            settled.break_lines.extend(found.break_lines);
             settled.findings.extend(found.findings);
         }
         progress.finish();
@@ -69,6 +70,9 @@ pub fn settle_lines<'a>(
 }
 
 /// Streams and break lines with their heights.
-pub(super) fn known<'a>(streams: &'a [Stream], creases: &'a [Crease]) -> impl Iterator<Item = KnownLine<'a>> {
-    streams.iter().map(Stream::known).chain(creases.iter().map(Crease::known))
+pub(super) fn known<'a>(
+    streams: &'a [Stream],
+    break_lines: &'a [FittedBreakLine],
+) -> impl Iterator<Item = KnownLine<'a>> {
+    streams.iter().map(Stream::known).chain(break_lines.iter().map(FittedBreakLine::known))
 }

@@ -9,12 +9,12 @@ use rstar::{AABB, RTree};
 use super::params::SurfaceParams;
 use crate::base::Grid;
 use crate::base::union_find::UnionFind;
+use crate::break_lines::{self, BreakLine};
 use crate::contour::ContourMap;
-use crate::creases::{self, CreaseLine};
 use crate::spline::{coarser_than_asked, finer_grid, working_grid};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{Frame, FrameRing, MapExtent};
-use crate::tuning::CreaseTuning;
+use crate::tuning::BreakLineTuning;
 
 /// Polygons of the frame nearer than this many mean spacings of the contours are one group.
 const NEAR: f64 = 10.0;
@@ -107,7 +107,7 @@ impl Groups {
     }
 
     /// The working grids. Their nodes are close enough for the contours, and for break lines that run beside each other.
-    pub fn grids(&self, subdivision: &Subdivision, break_lines: &[CreaseLine], params: &SurfaceParams) -> Vec<Grid> {
+    pub fn grids(&self, subdivision: &Subdivision, break_lines: &[BreakLine], params: &SurfaceParams) -> Vec<Grid> {
         if let Some(whole) = &params.whole {
             let (lo, hi) = subdivision.frame.extent();
             return vec![whole.grid_of([lo, hi])];
@@ -116,7 +116,7 @@ impl Groups {
             node_grid(
                 working_grid(extent, params.spline.wanted, &params.tuning.spline.grid),
                 break_lines,
-                &params.tuning.creases,
+                &params.tuning.break_lines,
             )
         })
     }
@@ -133,9 +133,9 @@ impl Groups {
 }
 
 /// A working grid whose nodes are close enough for break lines that run beside each other, too.
-pub(super) fn node_grid(grid: Grid, break_lines: &[CreaseLine], tuning: &CreaseTuning) -> Grid {
+pub(super) fn node_grid(grid: Grid, break_lines: &[BreakLine], tuning: &BreakLineTuning) -> Grid {
     let wanted = tuning.nodes_per_line_spacing * (grid.cell.x * grid.cell.y).sqrt();
-    finer_grid(&grid, wanted / creases::spacing(break_lines, wanted))
+    finer_grid(&grid, wanted / break_lines::spacing(break_lines, wanted))
 }
 
 /// The group of a map with most vertices.

@@ -14,7 +14,7 @@ use super::smooth_height::smooth_height;
 use crate::base::error::Result;
 use crate::base::{Grid, parallel};
 use crate::contour::source_raster;
-use crate::skeleton::{Axis, BreakLine, break_lines, flow};
+use crate::skeleton::{Axis, SkeletonLine, flow, skeleton_lines};
 use crate::spline::{Lattice, WorkingGrid, WorkingGrids};
 use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, VertexKind};
@@ -34,7 +34,7 @@ pub(crate) fn with_nodes(
     working: &WorkingGrids,
     triangles: &[Vec<u32>],
     tuning: &Tuning,
-) -> Result<(Subdivision, Vec<BreakLine>)> {
+) -> Result<(Subdivision, Vec<SkeletonLine>)> {
     let (tuning, of_lines) = (&tuning.nodes, &tuning.skeleton);
     let (vertices, mut heights) = smooth_heights(&subdivision, &mut axis, working);
     let contour_spacing = subdivision.extent().spacing;
@@ -43,7 +43,7 @@ pub(crate) fn with_nodes(
     let spacing = coarse.iter().map(Strided::step).fold(0.0, f64::max);
     let parted = part_long_pieces(&subdivision, &mut axis, (&vertices, &mut heights), working, spacing);
     let flow = flow(&subdivision.tin, &subdivision.regions, &axis, heights, of_lines);
-    let lines = break_lines(&subdivision.tin, &subdivision.regions, &axis, &flow);
+    let lines = skeleton_lines(&subdivision.tin, &subdivision.regions, &axis, &flow);
 
     let source = source_raster(&subdivision.map.contours);
     let mut points = Vec::new();

@@ -6,14 +6,14 @@ use rstar::{PointDistance, RTree};
 use super::known_lines::push_lines;
 use crate::base::error::Result;
 use crate::base::{KnownLine, Sure, parallel};
-use crate::skeleton::{Axis, AxisPoint, BreakLine, End, Skeleton};
+use crate::skeleton::{Axis, AxisPoint, End, Skeleton, SkeletonLine};
 use crate::subdivision::Subdivision;
 use crate::tin::{Split, SplitPoint, Tin, TinInput, VertexKind, triangulate};
 use crate::tuning::SkeletonTuning;
 
 /// Ridge and canyon lines, and a triangulation with their points.
 pub struct Finer {
-    pub lines: Vec<BreakLine>,
+    pub lines: Vec<SkeletonLine>,
     /// The points in the triangulation, and the pieces between them.
     pub axis: Axis,
     tin: FinerTin,
@@ -61,7 +61,7 @@ pub fn finer(
 pub fn with_skeleton(
     subdivision: Subdivision,
     Finer { lines, axis, tin }: Finer,
-) -> (Subdivision, Vec<BreakLine>, Axis) {
+) -> (Subdivision, Vec<SkeletonLine>, Axis) {
     let subdivision = match tin {
         FinerTin::Split(Split { tin, parents }) => subdivision.split(tin, &parents),
         FinerTin::Anew(tin) => subdivision.retriangulated(tin, &|_| None),

@@ -3,7 +3,7 @@
 use super::conditions::conditions;
 use super::skeleton_lines::{finer, with_skeleton};
 use crate::base::Grid;
-use crate::skeleton::{BreakLine, skeleton};
+use crate::skeleton::{SkeletonLine, skeleton};
 use crate::spline::Conditions;
 use crate::subdivision::Subdivision;
 use crate::tin::TinInput;
@@ -19,16 +19,21 @@ pub struct TrialBuilder<'t> {
 }
 
 impl SurfaceBuilder for TrialBuilder<'_> {
-    fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
+    fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<SkeletonLine>)> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
         subdivision.input = TinInput::default();
         let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, self.tuning);
         let finer = finer(&subdivision, TinInput::default(), skeleton, &[], &[], self.tuning).ok()?;
-        let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
-        Some((subdivision, break_lines))
+        let (subdivision, skeleton_lines, _) = with_skeleton(subdivision, finer);
+        Some((subdivision, skeleton_lines))
     }
 
-    fn conditions<'a>(&self, subdivision: &'a Subdivision, break_lines: &[BreakLine], grid: &Grid) -> Conditions<'a> {
-        conditions(subdivision, break_lines, &[], grid, (&[], 0.0))
+    fn conditions<'a>(
+        &self,
+        subdivision: &'a Subdivision,
+        skeleton_lines: &[SkeletonLine],
+        grid: &Grid,
+    ) -> Conditions<'a> {
+        conditions(subdivision, skeleton_lines, &[], grid, (&[], 0.0))
     }
 }

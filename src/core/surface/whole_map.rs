@@ -29,6 +29,6 @@ pub fn whole_map(map: &ContourMap, given: &Given, params: &SurfaceParams) -> Res
     let wanted = params.spline.wanted;
     let trials = TrialParams { frame: &params.frame, wanted, builder: &builder, tuning, needless: None };
     let chosen = (params.kind == SurfaceKind::Spline).then(|| choose(&extent, &params.spline, &trials));
-    let grid = node_grid(whole_grid(&extent, wanted, &tuning.spline.grid), &given.creases, &tuning.creases);
+    let grid = node_grid(whole_grid(&extent, wanted, &tuning.spline.grid), &given.break_lines, &tuning.break_lines);
     Ok(Some(Whole { interval, spacing: extent.spacing, grid, chosen }))
 }

@@ -17,8 +17,8 @@
 //! The guide's page on tuning (`src/guide/tuning.md`) has the whole table of values that were tried. A *spacing* is the
 //! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.
 
+mod break_lines;
 mod cliffs;
-mod creases;
 mod errors;
 mod grid;
 mod join;
@@ -32,8 +32,8 @@ mod streams;
 mod trials;
 mod wide;
 
+pub use break_lines::BreakLineTuning;
 pub use cliffs::CliffTuning;
-pub use creases::CreaseTuning;
 pub use errors::ErrorTuning;
 pub use grid::GridTuning;
 pub use join::JoinTuning;
@@ -86,7 +86,7 @@ tuned! {
         /// Cliffs.
         cliffs: CliffTuning = CliffTuning::default(),
         /// Break lines.
-        creases: CreaseTuning = CreaseTuning::default(),
+        break_lines: BreakLineTuning = BreakLineTuning::default(),
         /// Joins with a height map outside the frame.
         join: JoinTuning = JoinTuning::default(),
     }

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::base::Grid;
-use crate::skeleton::BreakLine;
+use crate::skeleton::SkeletonLine;
 use crate::spline::{Conditions, Wanted};
 use crate::subdivision::Subdivision;
 use crate::subdomains::Frame;
@@ -12,10 +12,15 @@ use crate::tuning::Tuning;
 /// Builds the surfaces of trials, in the same way as the surface of the whole map.
 pub trait SurfaceBuilder: Sync {
     /// Adds ridge and canyon lines, if the surface has any. `None` if they cannot be triangulated.
-    fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)>;
+    fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<SkeletonLine>)>;
 
     /// The conditions of the smooth surface at the nodes of `grid`.
-    fn conditions<'a>(&self, subdivision: &'a Subdivision, break_lines: &[BreakLine], grid: &Grid) -> Conditions<'a>;
+    fn conditions<'a>(
+        &self,
+        subdivision: &'a Subdivision,
+        skeleton_lines: &[SkeletonLine],
+        grid: &Grid,
+    ) -> Conditions<'a>;
 }
 
 /// Parameters of trials that are the same for all of them.

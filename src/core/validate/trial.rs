@@ -9,7 +9,7 @@ use super::builder::TrialParams;
 use crate::base::{Grid, parallel};
 use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::geometry::tolerance;
-use crate::skeleton::BreakLine;
+use crate::skeleton::SkeletonLine;
 use crate::spline::{HyperParameters, Wanted, WorkingGrid, slopes, spline, working_grid};
 use crate::subdivision::{Subdivision, subdivide};
 use crate::subdomains::Frame;
@@ -28,7 +28,7 @@ pub struct Trial {
     /// The map of the other levels, with ridge and canyon lines.
     pub subdivision: Subdivision,
     /// Its ridge and canyon lines.
-    pub break_lines: Vec<BreakLine>,
+    pub skeleton_lines: Vec<SkeletonLine>,
     /// Places on hidden contours, whose level is known.
     pub places: Vec<HiddenPlace>,
     /// The working grid.
@@ -198,12 +198,12 @@ pub fn trial(
         return None;
     }
     let places = without_mended(places, mended, subdivision.extent().spacing);
-    let (subdivision, break_lines) = params.builder.with_lines(subdivision)?;
+    let (subdivision, skeleton_lines) = params.builder.with_lines(subdivision)?;
     let grid = working_grid(&subdivision.extent(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
     if grid.len() > MOST_TRIAL_NODES {
         return None;
     }
-    Some(Trial { subdivision, break_lines, places, grid })
+    Some(Trial { subdivision, skeleton_lines, places, grid })
 }
 
 /// A contour without the vertices that are nearer than `spacing` to the one before, along the contour. Its ends stay.
@@ -252,7 +252,7 @@ impl Trial {
         let tuning = &params.tuning.spline;
         let [nearest, furthest] = params.tuning.trials.spacing_limits;
         let grid = &self.grid;
-        let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid);
+        let conditions = params.builder.conditions(&self.subdivision, &self.skeleton_lines, grid);
         let triangles = &conditions.triangles;
         let slopes = slopes(&conditions.reference, grid);
         let spacing = conditions.spacing;
@@ -319,11 +319,11 @@ mod tests {
     struct ContoursAlone;
 
     impl SurfaceBuilder for ContoursAlone {
-        fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
+        fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<SkeletonLine>)> {
             Some((subdivision, Vec::new()))
         }
 
-        fn conditions<'a>(&self, _: &'a Subdivision, _: &[BreakLine], _: &Grid) -> Conditions<'a> {
+        fn conditions<'a>(&self, _: &'a Subdivision, _: &[SkeletonLine], _: &Grid) -> Conditions<'a> {
             unimplemented!("no smooth surface is drawn here")
         }
     }

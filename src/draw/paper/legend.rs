@@ -6,10 +6,10 @@ use super::fonts::Fonts;
 use super::page::{COORDINATES, LEGEND, MARGIN, Page, Placed};
 use super::shapes::{Look, Shape, Text};
 use super::shown::Shown;
-use crate::preview::break_lines::Chosen;
 use crate::preview::color::{INK, PAPER, Rgb, Tint};
 use crate::preview::legend::keys;
 use crate::preview::plan::Plan;
+use crate::preview::skeleton_lines::Chosen;
 use crate::preview::text::Align;
 use crate::scale::{self, number};
 

@@ -12,11 +12,11 @@ use crate::coordinates::{Tick, Ticks};
 use crate::preview::canvas::image_of;
 use crate::preview::color::{BORDER, INK, INPUT};
 use crate::preview::text::Align;
-use crate::preview::{break_lines, patches, plan, render, stroke};
+use crate::preview::{patches, plan, render, skeleton_lines, stroke};
 use tokosen_core::base::Grid;
 use tokosen_core::base::error::Result;
 use tokosen_core::contour::{ContourLine, Source};
-use tokosen_core::skeleton::BreakKind;
+use tokosen_core::skeleton::SkeletonKind;
 use tokosen_core::slice::{Label, LabelParams, place_labels};
 
 /// Pixels of the relief in a millimetre, and most of them in all.
@@ -73,7 +73,7 @@ pub(crate) fn sheet(shown: &Shown<'_>, page: &Page, fonts: &Fonts) -> Result<She
     let covered = dem.values.iter().filter(|z| z.is_finite()).count().max(1) as f64;
     let area = covered / (fineness * BREAK_PIXEL).powi(2);
     let size = (placed.unit * BREAK_PIXEL, area);
-    let chosen = break_lines::choose(input.break_lines, input.frame, size, input.subject);
+    let chosen = skeleton_lines::choose(input.skeleton_lines, input.frame, size, input.subject);
     let labels = labels(shown, &plan, &placed, fonts);
     let gaps: Vec<Gap> = labels.iter().map(|label| Gap::of(label, way)).collect();
     for (kind, style) in &plan.supplementary {
@@ -96,9 +96,9 @@ pub(crate) fn sheet(shown: &Shown<'_>, page: &Page, fonts: &Fonts) -> Result<She
             }
         }
     }
-    for kind in [BreakKind::Canyon, BreakKind::Ridge] {
+    for kind in [SkeletonKind::Canyon, SkeletonKind::Ridge] {
         let own = chosen.of(kind).map(|line| line.iter().map(|p| p.truncate()).collect());
-        let style = stroke::break_line_style(kind, chosen.width);
+        let style = stroke::skeleton_style(kind, chosen.width);
         map.push(Shape::Lines { lines: way.lines(own, &gaps), look: Look::of(style, BREAK_PIXEL) });
     }
     map.extend(labels.iter().map(|label| {

@@ -2,18 +2,18 @@
 
 use tiny_skia::{FillRule, PathBuilder, Pixmap, Rect, Transform};
 
-use super::break_lines::{Chosen, Shown};
 use super::canvas::paint;
 use super::color::{INK, PAPER, Rgb, Tint};
 use super::patches::Patches;
 use super::plan::{Class, Plan};
-use super::stroke::{self, Style, break_line_style};
+use super::skeleton_lines::{Chosen, Shown};
+use super::stroke::{self, Style, skeleton_style};
 use super::text::{Align, Typesetter};
 use crate::scale;
 use tokosen_core::base::Units;
 use tokosen_core::contour::ContourKind;
 use tokosen_core::crs::Crs;
-use tokosen_core::skeleton::BreakKind;
+use tokosen_core::skeleton::SkeletonKind;
 
 /// Size of the legend's text, pixels.
 const TEXT: f32 = 15.0;
@@ -53,7 +53,7 @@ pub(super) struct Arrow;
 pub(super) struct Content<'a> {
     pub scale: Block,
     pub plan: &'a Plan,
-    pub break_lines: &'a Chosen,
+    pub skeleton_lines: &'a Chosen,
     pub patches: Option<&'a Patches>,
     /// The tint of the heights.
     pub tint: Option<&'a Tint>,
@@ -62,12 +62,12 @@ pub(super) struct Content<'a> {
 
 /// The blocks of the legend, given the room for them.
 pub(super) fn blocks(content: Content<'_>, room: f32, setter: &Typesetter) -> Vec<Block> {
-    let Content { scale, plan, break_lines, patches, tint, units } = content;
+    let Content { scale, plan, skeleton_lines, patches, tint, units } = content;
     let mut blocks = vec![scale];
     let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0, dashes: None }), name);
     let swatches = patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
     let tint = tint.filter(|_| swatches.is_none());
-    let keys = [(keys(plan, break_lines, units), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
+    let keys = [(keys(plan, skeleton_lines, units), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
     for (keys, rows) in keys.into_iter().filter(|(keys, _)| !keys.is_empty()) {
         let wide = Block::Keys { keys, rows };
         let (width, _) = wide.size(setter);
@@ -92,7 +92,7 @@ pub(super) fn crs_label(crs: &Crs) -> Option<String> {
     })
 }
 
-pub(crate) fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
+pub(crate) fn keys(plan: &Plan, skeleton_lines: &Chosen, units: Units) -> Vec<(Option<Style>, String)> {
     let mut keys = Vec::new();
     let mut contours = |class: &Option<Class>, kind: &str| {
         let Some(class) = class else { return };
@@ -125,13 +125,13 @@ pub(crate) fn keys(plan: &Plan, break_lines: &Chosen, units: Units) -> Vec<(Opti
     if let Some(class) = plan.interpolated.as_ref().filter(|class| class.has_inferred) {
         keys.push((Some(stroke::dashed(class.style)), "Inferred: hardly known from the input".to_owned()));
     }
-    let some = if break_lines.shown == Shown::Longest { ", the longest" } else { "" };
-    for (kind, name) in [(BreakKind::Ridge, "Ridge lines"), (BreakKind::Canyon, "Canyon lines")] {
-        if break_lines.of(kind).next().is_some() {
-            keys.push((Some(break_line_style(kind, break_lines.width)), format!("{name}{some}")));
+    let some = if skeleton_lines.shown == Shown::Longest { ", the longest" } else { "" };
+    for (kind, name) in [(SkeletonKind::Ridge, "Ridge lines"), (SkeletonKind::Canyon, "Canyon lines")] {
+        if skeleton_lines.of(kind).next().is_some() {
+            keys.push((Some(skeleton_style(kind, skeleton_lines.width)), format!("{name}{some}")));
         }
     }
-    if break_lines.shown == Shown::Nothing {
+    if skeleton_lines.shown == Shown::Nothing {
         keys.push((None, "Ridge and canyon lines: too dense to draw".to_owned()));
     }
     keys
@@ -316,8 +316,8 @@ mod tests {
     }
 
     fn told(contours: &[ContourLine], shown: Shown) -> Vec<String> {
-        let break_lines = Chosen { lines: Vec::new(), shown, width: 1.0 };
-        keys(&plan(contours, &GRID), &break_lines, Units::METRES).into_iter().map(|(_, text)| text).collect()
+        let skeleton_lines = Chosen { lines: Vec::new(), shown, width: 1.0 };
+        keys(&plan(contours, &GRID), &skeleton_lines, Units::METRES).into_iter().map(|(_, text)| text).collect()
     }
 
     #[test]

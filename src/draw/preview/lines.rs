@@ -2,12 +2,12 @@
 
 use tiny_skia::{Mask, Pixmap};
 
-use super::break_lines::Chosen;
 use super::plan::{Class, Plan, drawn_as, is_inferred};
-use super::stroke::{break_line_style, dashed, path, stroke};
+use super::skeleton_lines::Chosen;
+use super::stroke::{dashed, path, skeleton_style, stroke};
 use tokosen_core::base::Grid;
 use tokosen_core::contour::{ContourLine, Source};
-use tokosen_core::skeleton::BreakKind;
+use tokosen_core::skeleton::SkeletonKind;
 
 /// Draws the contours of the plan, the interpolated ones below the input's, and the break lines above both. The mask is
 /// closed where labels are.
@@ -16,7 +16,7 @@ pub(super) fn draw(
     grid: &Grid,
     contours: &[ContourLine],
     plan: &Plan,
-    break_lines: &Chosen,
+    skeleton_lines: &Chosen,
     mask: Option<&Mask>,
 ) {
     for (kind, style) in &plan.supplementary {
@@ -35,12 +35,12 @@ pub(super) fn draw(
             }
         }
     }
-    for kind in [BreakKind::Canyon, BreakKind::Ridge] {
-        let lines = break_lines.of(kind);
+    for kind in [SkeletonKind::Canyon, SkeletonKind::Ridge] {
+        let lines = skeleton_lines.of(kind);
         stroke(
             map,
             path(grid, lines.map(|line| line.iter().map(|p| p.truncate()))),
-            break_line_style(kind, break_lines.width),
+            skeleton_style(kind, skeleton_lines.width),
             mask,
         );
     }

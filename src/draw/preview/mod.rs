@@ -10,7 +10,6 @@
 //! Where contours would lie closer than a few pixels, only some levels are drawn. Ridge and canyon lines that would hide
 //! the ground are left out. The legend says what is drawn.
 
-pub(crate) mod break_lines;
 pub(crate) mod canvas;
 pub(crate) mod color;
 mod density;
@@ -24,6 +23,7 @@ pub(crate) mod patches;
 pub(crate) mod plan;
 pub(crate) mod render;
 mod sheet;
+pub(crate) mod skeleton_lines;
 pub(crate) mod stroke;
 pub(crate) mod text;
 mod view;

@@ -10,13 +10,13 @@ use glam::{DVec2, DVec3};
 use image::RgbImage;
 use tiny_skia::{IntSize, Pixmap};
 
-use super::break_lines;
 use super::canvas::image_of;
 use super::color::{self, INK, Rgb, Tint};
 use super::legend;
 use super::plan::{drawn_as, plan};
 use super::sheet::{Head, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
-use super::stroke::{Style, break_line_style};
+use super::skeleton_lines;
+use super::stroke::{Style, skeleton_style};
 use super::text::Typesetter;
 use super::view::Subject;
 use super::zbuffer::{self, Corner, Piece, Scene};
@@ -27,7 +27,7 @@ use tokosen_core::contour::{ContourLine, Source};
 use tokosen_core::dem::shade::{Lights, ShadeParams};
 use tokosen_core::mesh::Mesh;
 use tokosen_core::raster::Dem;
-use tokosen_core::skeleton::{BreakKind, BreakLine};
+use tokosen_core::skeleton::{SkeletonKind, SkeletonLine};
 
 /// Direction of the eye, degrees west of south; the light of the map then comes from the left.
 const TURN: f64 = 25.0;
@@ -54,7 +54,7 @@ pub struct Model<'a> {
     /// Contours on the model, in map coordinates.
     pub contours: &'a [ContourLine],
     /// Ridge and canyon lines on the model, in map coordinates.
-    pub break_lines: &'a [BreakLine],
+    pub skeleton_lines: &'a [SkeletonLine],
     /// The units of heights in the legend.
     pub units: Units,
     /// A title above the model.
@@ -79,7 +79,8 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     let plan = plan(model.contours, &grid);
     let frame = frame_edges(mesh);
     let map_area = (ground.area * view.scale * view.scale).max(1.0);
-    let break_lines = break_lines::choose(model.break_lines, &frame, (1.0 / view.scale, map_area), Subject::Ground);
+    let skeleton_lines =
+        skeleton_lines::choose(model.skeleton_lines, &frame, (1.0 / view.scale, map_area), Subject::Ground);
 
     let (mut styles, mut pieces) = (vec![EDGE_STYLE], Vec::new());
     if faceted {
@@ -97,9 +98,9 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
             }
         }
     }
-    for kind in [BreakKind::Canyon, BreakKind::Ridge] {
-        styles.push(break_line_style(kind, break_lines.width));
-        for line in break_lines.of(kind) {
+    for kind in [SkeletonKind::Canyon, SkeletonKind::Ridge] {
+        styles.push(skeleton_style(kind, skeleton_lines.width));
+        for line in skeleton_lines.of(kind) {
             view.add_line(&mut pieces, styles.len(), line.iter().copied());
         }
     }
@@ -138,7 +139,7 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     let content = legend::Content {
         scale,
         plan: &plan,
-        break_lines: &break_lines,
+        skeleton_lines: &skeleton_lines,
         patches: None,
         tint: Some(&tint),
         units: model.units,
@@ -338,15 +339,16 @@ mod tests {
         Mesh { origin, vertices, normals, triangles, break_lines: Vec::new(), base: None, crs: None, unit: None }
     }
 
-    fn picture(mesh: &Mesh, break_lines: &[BreakLine]) -> RgbImage {
-        render_model(&Model { mesh, contours: &[], break_lines, units: Units::METRES, title: Some("Model") }).unwrap()
+    fn picture(mesh: &Mesh, skeleton_lines: &[SkeletonLine]) -> RgbImage {
+        render_model(&Model { mesh, contours: &[], skeleton_lines, units: Units::METRES, title: Some("Model") })
+            .unwrap()
     }
 
     /// A ridge line across a field of a hundred units from west to east, ten units from its northern edge.
-    fn line(mesh: &Mesh, height: f64) -> BreakLine {
+    fn line(mesh: &Mesh, height: f64) -> SkeletonLine {
         let points = [0.0, 100.0].map(|x| DVec3::new(x, 90.0, height) + mesh.origin).to_vec();
         let ends = [LineEnd::Frame; 2];
-        BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 }
+        SkeletonLine { kind: SkeletonKind::Ridge, points, region: 0, ends, network: 0 }
     }
 
     fn red(image: &RgbImage) -> usize {
@@ -398,7 +400,8 @@ mod tests {
         let mut mesh = field(2, |_, _| 1.0);
         mesh.vertices[3].z = f64::NAN;
         let model = |mesh: &Mesh| {
-            render_model(&Model { mesh, contours: &[], break_lines: &[], units: Units::METRES, title: None }).is_err()
+            render_model(&Model { mesh, contours: &[], skeleton_lines: &[], units: Units::METRES, title: None })
+                .is_err()
         };
         assert!(model(&mesh));
         mesh.vertices.fill(DVec3::ONE);

@@ -13,7 +13,7 @@ use super::sheet::{Head, MARGIN, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
 use super::stroke::{Style, path, stroke};
 use super::text::Typesetter;
 use super::view::Preview;
-use super::{break_lines, labels, legend, lines, margin, patches};
+use super::{labels, legend, lines, margin, patches, skeleton_lines};
 use crate::coordinates::{Notation, Ticks, ticks};
 use crate::scale;
 use tokosen_core::base::Grid;
@@ -52,11 +52,11 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let covered = input.dem.values.iter().filter(|v| v.is_finite()).count();
     let plan = plan(input.contours, &grid);
     let size = (grid.cell.x, covered.max(1) as f64);
-    let break_lines = break_lines::choose(input.break_lines, input.frame, size, input.subject);
+    let skeleton_lines = skeleton_lines::choose(input.skeleton_lines, input.frame, size, input.subject);
     let setter = Typesetter::new();
     let labels = labels::place(input.contours, &plan, &grid, input.units.heights, &setter);
     let gaps = labels::gaps(&labels, &grid);
-    lines::draw(&mut map, &grid, input.contours, &plan, &break_lines, gaps.as_ref());
+    lines::draw(&mut map, &grid, input.contours, &plan, &skeleton_lines, gaps.as_ref());
     labels::draw(&mut map, &labels, &grid, &setter);
     outline(&mut map, &grid, input.outline);
 
@@ -68,7 +68,7 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let content = legend::Content {
         scale,
         plan: &plan,
-        break_lines: &break_lines,
+        skeleton_lines: &skeleton_lines,
         patches: input.patches,
         tint: tint.as_ref(),
         units: input.units,
@@ -208,7 +208,7 @@ mod tests {
     use crate::preview::{MAX_SIDE, Patch, PatchClass, Patches, map_grid};
     use tokosen_core::contour::{ContourLine, Source};
     use tokosen_core::crs::Crs;
-    use tokosen_core::skeleton::{BreakKind, BreakLine, LineEnd};
+    use tokosen_core::skeleton::{LineEnd, SkeletonKind, SkeletonLine};
 
     /// A round hill on the grid of its extent, with a hole in the north-west corner.
     fn hill(width: f64, height: f64) -> Dem {
@@ -276,9 +276,9 @@ mod tests {
             let areas = (0..8).map(|class| Patch { class, rings: rings.clone() }).collect();
             let patches = Patches { classes: vec![class; 8], areas };
             let ends = [LineEnd::Peak, LineEnd::Contour];
-            let ridge = BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 };
+            let ridge = SkeletonLine { kind: SkeletonKind::Ridge, points, region: 0, ends, network: 0 };
             let picture = Preview {
-                break_lines: &[ridge],
+                skeleton_lines: &[ridge],
                 patches: Some(&patches).filter(|_| width != height),
                 title: Some("Hill 丘"),
                 ..Preview::new(&dem, &contours)
@@ -296,15 +296,16 @@ mod tests {
         let corners = [(1000.0, 2000.0), (1400.0, 2000.0), (1400.0, 2300.0), (1000.0, 2300.0)];
         let corners = corners.map(|(x, y)| DVec2::new(x, y));
         let frame: Vec<[DVec2; 2]> = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
-        let ridge = |points: &[(f64, f64)]| BreakLine {
-            kind: BreakKind::Ridge,
+        let ridge = |points: &[(f64, f64)]| SkeletonLine {
+            kind: SkeletonKind::Ridge,
             points: points.iter().map(|&(x, y)| DVec3::new(x, y, 5.0)).collect(),
             region: 0,
             ends: [LineEnd::Frame; 2],
             network: 0,
         };
-        let drawn = |ridge: BreakLine| {
-            let image = render(&Preview { break_lines: &[ridge], frame: &frame, ..Preview::new(&dem, &[]) }).unwrap();
+        let drawn = |ridge: SkeletonLine| {
+            let image =
+                render(&Preview { skeleton_lines: &[ridge], frame: &frame, ..Preview::new(&dem, &[]) }).unwrap();
             // The legend is not a part of the map.
             let map = image.rows().take(MARGIN + 20 + dem.grid.rows).flatten();
             map.filter(|p| is_ridge(p)).count()

@@ -6,7 +6,7 @@ use tiny_skia::{LineCap, LineJoin, Mask, Path, PathBuilder, Pixmap, Stroke, Stro
 use super::canvas::paint;
 use super::color::{CANYON, RIDGE, Rgb};
 use tokosen_core::base::Grid;
-use tokosen_core::skeleton::BreakKind;
+use tokosen_core::skeleton::SkeletonKind;
 
 /// Lines are cut off this far beyond the map, so that no cut end shows, pixels.
 const BLEED: f64 = 8.0;
@@ -28,10 +28,10 @@ pub(crate) struct Style {
 }
 
 /// The look of ridge or canyon lines.
-pub(crate) const fn break_line_style(kind: BreakKind, width: f32) -> Style {
+pub(crate) const fn skeleton_style(kind: SkeletonKind, width: f32) -> Style {
     let color = match kind {
-        BreakKind::Ridge => RIDGE,
-        BreakKind::Canyon => CANYON,
+        SkeletonKind::Ridge => RIDGE,
+        SkeletonKind::Canyon => CANYON,
     };
     Style { color, width, alpha: 0.9, dashes: None }
 }

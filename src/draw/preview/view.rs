@@ -8,7 +8,7 @@ use tokosen_core::base::Units;
 use tokosen_core::contour::ContourLine;
 use tokosen_core::crs::Reprojection;
 use tokosen_core::raster::Dem;
-use tokosen_core::skeleton::BreakLine;
+use tokosen_core::skeleton::SkeletonLine;
 
 /// What to draw.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +18,7 @@ pub struct Preview<'a> {
     /// The contours, in the map units of the surface.
     pub contours: &'a [ContourLine],
     /// Ridge and canyon lines.
-    pub break_lines: &'a [BreakLine],
+    pub skeleton_lines: &'a [SkeletonLine],
     /// The edges of the map's frame. Ridge and canyon lines are not drawn along them.
     pub frame: &'a [[DVec2; 2]],
     /// Areas by class, below the lines. The legend then names the classes in the place of the elevations.
@@ -43,7 +43,7 @@ impl<'a> Preview<'a> {
         Self {
             dem,
             contours,
-            break_lines: &[],
+            skeleton_lines: &[],
             frame: &[],
             patches: None,
             levels: &[],

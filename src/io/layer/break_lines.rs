@@ -1,7 +1,7 @@
 //! The layer of given break lines as they are used.
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use tokosen_core::creases::{Bend, Crease};
+use tokosen_core::break_lines::{Bend, FittedBreakLine};
 
 const COLUMNS: &[Column] = &[
     Column { name: "feature", kind: Kind::Text(24) },
@@ -17,20 +17,20 @@ const COLUMNS: &[Column] = &[
 /// - `kind`: `ridge`, `valley` or `edge`
 /// - `length`
 /// - `surveyed`: the share of the vertices whose height the line gives; contours, streams and the surface give the others
-pub fn break_lines(creases: &[Crease]) -> Layer<'_> {
-    let rows = creases.iter().map(|crease| {
-        let kind = match crease.bend {
+pub fn break_lines(break_lines: &[FittedBreakLine]) -> Layer<'_> {
+    let rows = break_lines.iter().map(|line| {
+        let kind = match line.bend {
             Bend::Either => "edge",
             Bend::Ridge => "ridge",
             Bend::Valley => "valley",
         };
         let cells = vec![
-            Cell::Text(crease.feature.to_string().into()),
+            Cell::Text(line.feature.to_string().into()),
             Cell::Text(kind.into()),
-            Cell::Real(crease.length()),
-            Cell::Real(crease.surveyed_share()),
+            Cell::Real(line.length()),
+            Cell::Real(line.surveyed_share()),
         ];
-        Row { shape: Shape::Line(&crease.points), cells }
+        Row { shape: Shape::Line(&line.points), cells }
     });
     Layer { name: "breaklines", geometry: Geometry::Lines, columns: COLUMNS, rows: rows.collect() }
 }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use tokosen_core::skeleton::{BreakKind, JunctionEdge, Skeleton};
+use tokosen_core::skeleton::{JunctionEdge, Skeleton, SkeletonKind};
 use tokosen_core::streams::Stream;
 use tokosen_core::subdivision::Subdivision;
 use tokosen_core::tin::TriangleKind;
@@ -30,10 +30,10 @@ const TRIANGLE_COLUMNS: &[Column] = &[
 const MESH_COLUMNS: &[Column] =
     &[Column { name: "kind", kind: Kind::Text(8) }, Column { name: "region", kind: Kind::Int }];
 
-fn kind_name(kind: BreakKind) -> &'static str {
+fn kind_name(kind: SkeletonKind) -> &'static str {
     match kind {
-        BreakKind::Ridge => "ridge",
-        BreakKind::Canyon => "canyon",
+        SkeletonKind::Ridge => "ridge",
+        SkeletonKind::Canyon => "canyon",
     }
 }
 
@@ -57,7 +57,7 @@ pub fn skeleton_lines<'a>(skeleton: &'a Skeleton, streams: &'a [Stream]) -> Laye
     });
     let given = streams.iter().map(|stream| {
         let cells = vec![
-            Cell::Text(kind_name(BreakKind::Canyon).into()),
+            Cell::Text(kind_name(SkeletonKind::Canyon).into()),
             Cell::Bool(true),
             Cell::Null,
             Cell::Null,

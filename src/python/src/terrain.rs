@@ -279,7 +279,7 @@ impl Terrain {
 
     /// The break lines as they are used.
     fn breaklines(&self, py: Python<'_>) -> PyResult<Layer> {
-        failed(py, self.layer(break_lines(&self.terrain.surface.creases)))
+        failed(py, self.layer(break_lines(&self.terrain.surface.break_lines)))
     }
 
     /// The findings about the input.

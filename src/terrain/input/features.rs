@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 use super::{Input, Signs};
 use tokosen_core::base::error::{Finding, Result};
 use tokosen_core::base::{ElevationUnit, FeatureId};
+use tokosen_core::break_lines::BreakLine;
 use tokosen_core::contour::{CliffLine, CoastLine, Lake};
-use tokosen_core::creases::CreaseLine;
 use tokosen_core::crs::{Crs, ToWorking};
 use tokosen_core::drain::{Sink, SinkShape};
 use tokosen_core::features::{Features, Role};
@@ -189,7 +189,7 @@ impl Bring for RiverArea {
     }
 }
 
-impl Bring for CreaseLine {
+impl Bring for BreakLine {
     const ROLE: Role = Role::BreakLines;
 
     fn number(&self) -> FeatureId {

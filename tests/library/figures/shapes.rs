@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use tokosen::skeleton::{BreakKind, skeleton};
+use tokosen::skeleton::{SkeletonKind, skeleton};
 use tokosen::subdomains::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Tableland};
 use tokosen::subdomains::{LandformClass, landforms};
 use tokosen::tuning::SkeletonTuning;
@@ -65,7 +65,7 @@ fn mixture_at(sample: &Sample, x: f64, y: f64) -> [u32; 3] {
 fn lines_at(sample: &Sample, x: f64, y: f64) -> (usize, usize) {
     let region = sample.region_at(x, y);
     let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0, &SkeletonTuning::default()).lines;
-    let own = |kind: BreakKind| {
+    let own = |kind: SkeletonKind| {
         let mut groups: Vec<HashSet<[u64; 2]>> = Vec::new();
         for line in lines.iter().filter(|line| line.kind == kind && line.region == region) {
             let mut group: HashSet<[u64; 2]> = line.points.iter().map(|p| [p.x.to_bits(), p.y.to_bits()]).collect();
@@ -76,7 +76,7 @@ fn lines_at(sample: &Sample, x: f64, y: f64) -> (usize, usize) {
         }
         groups.len()
     };
-    (own(BreakKind::Ridge), own(BreakKind::Canyon))
+    (own(SkeletonKind::Ridge), own(SkeletonKind::Canyon))
 }
 
 /// Both lines are convex, so that neither has a place where it turns back: sleeves only, one a piece of line.

@@ -54,7 +54,7 @@ fn figure_7_the_curve_mesh_is_made_of_edges() {
             let points = contour.points.iter().map(|p| p.extend(contour.elevation));
             points.clone().zip(points.skip(1)).for_each(|(a, b)| check(a, b));
         }
-        for line in &surface.break_lines {
+        for line in &surface.skeleton_lines {
             line.points.windows(2).for_each(|w| check(w[0], w[1]));
         }
         assert!(pieces > surface.map.contours.len(), "{name}");

@@ -49,8 +49,8 @@ pub fn hidden_residuals(
 }
 
 fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &TrialParams<'_>) -> Vec<Residual> {
-    let Trial { subdivision, break_lines, places, grid } = trial;
-    let conditions = params.builder.conditions(subdivision, break_lines, grid);
+    let Trial { subdivision, skeleton_lines, places, grid } = trial;
+    let conditions = params.builder.conditions(subdivision, skeleton_lines, grid);
     let triangles = &conditions.triangles;
     let sides = sides(subdivision, grid, triangles);
     // No shrinkage: all hidden contours lie half-way, which is where heights shrink to.

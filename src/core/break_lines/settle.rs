@@ -2,13 +2,13 @@
 
 use glam::DVec2;
 
-use super::line::{Crease, CreaseLine};
+use super::line::{BreakLine, FittedBreakLine};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Sure, parallel};
 use crate::skeleton::Heights;
 use crate::subdomains::{Band, Course, Regions, band_of};
 use crate::tin::Tin;
-use crate::tuning::CreaseTuning;
+use crate::tuning::BreakLineTuning;
 
 /// Lines per parallel task. The search for the first triangle starts anew with each task.
 const CHUNK: usize = 64;
@@ -18,25 +18,25 @@ const ROUNDING: f64 = 1e-3;
 /// Break lines that agree with the contours, and what had to be done for it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Settled {
-    pub creases: Vec<Crease>,
+    pub break_lines: Vec<FittedBreakLine>,
     pub findings: Vec<Finding>,
 }
 
 /// Brings break lines whose heights are this `sure` into agreement with a triangulated map. `interval` (metres) and
 /// `spacing` (map units) are those of its contours.
 pub(crate) fn settle(
-    (lines, sure): (&[CreaseLine], Sure),
+    (lines, sure): (&[BreakLine], Sure),
     (tin, regions): (&Tin, &Regions),
     by_distance: &Heights<'_>,
     interval: f64,
     spacing: f64,
-    tuning: &CreaseTuning,
+    tuning: &BreakLineTuning,
 ) -> Settled {
-    let of_chunk = |lines: &[CreaseLine]| {
+    let of_chunk = |lines: &[BreakLine]| {
         let mut near = 0;
         lines.iter().map(|line| Cut::new(line, (tin, regions), spacing, tuning, &mut near)).collect::<Vec<_>>()
     };
-    let chunks: Vec<&[CreaseLine]> = lines.chunks(CHUNK).collect();
+    let chunks: Vec<&[BreakLine]> = lines.chunks(CHUNK).collect();
     let cut: Vec<Cut> = parallel::flat_map_each(&chunks, |lines| of_chunk(lines));
     let places: Vec<Option<(DVec2, u32)>> = cut
         .iter()
@@ -49,7 +49,7 @@ pub(crate) fn settle(
     for (line, cut) in lines.iter().zip(cut) {
         let mut conflict = Conflict::default();
         for piece in cut.pieces {
-            let mut crease = Crease {
+            let mut break_line = FittedBreakLine {
                 points: Vec::with_capacity(piece.len()),
                 sure: Vec::with_capacity(piece.len()),
                 bands: Vec::with_capacity(piece.len()),
@@ -72,11 +72,11 @@ pub(crate) fn settle(
                     (None, Some(own)) => (band.strictly_inside(own), Sure::Guessed),
                     (None, None) => (band.strictly_inside(guess), Sure::Guessed),
                 };
-                crease.points.push((v.place + tin.origin).extend(z));
-                crease.sure.push(sure);
-                crease.bands.push(band);
+                break_line.points.push((v.place + tin.origin).extend(z));
+                break_line.sure.push(sure);
+                break_line.bands.push(band);
             }
-            settled.creases.push(crease);
+            settled.break_lines.push(break_line);
         }
         settled.findings.extend(conflict.finding(line, name, interval, tin.origin));
         if cut.outside > ROUNDING * spacing {
@@ -123,10 +123,10 @@ struct Cut {
 impl Cut {
     /// `near` is the triangle where the search for the first one starts.
     fn new(
-        line: &CreaseLine,
+        line: &BreakLine,
         (tin, regions): (&Tin, &Regions),
         spacing: f64,
-        tuning: &CreaseTuning,
+        tuning: &BreakLineTuning,
         near: &mut u32,
     ) -> Self {
         let points: Vec<DVec2> = line.points.iter().map(|p| *p - tin.origin).collect();
@@ -228,7 +228,7 @@ impl Conflict {
     }
 
     /// `name` is what a message calls the line.
-    fn finding(&self, line: &CreaseLine, name: &str, interval: f64, origin: DVec2) -> Option<Finding> {
+    fn finding(&self, line: &BreakLine, name: &str, interval: f64, origin: DVec2) -> Option<Finding> {
         if self.largest == 0.0 {
             return None;
         }

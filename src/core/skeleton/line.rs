@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// Which way the ground falls from a break line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum BreakKind {
+pub enum SkeletonKind {
     /// Ground falls to both sides.
     Ridge,
     /// Ground rises to both sides.
@@ -48,9 +48,9 @@ impl LineEnd {
 
 /// A ridge or canyon line with its heights, which fall from the first point to the last.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BreakLine {
+pub struct SkeletonLine {
     /// Ridge or canyon.
-    pub kind: BreakKind,
+    pub kind: SkeletonKind,
     /// Vertices (x, y in map units, height in metres), downhill.
     pub points: Vec<DVec3>,
     /// The sub-domain that the line runs in.
@@ -61,7 +61,7 @@ pub struct BreakLine {
     pub network: u32,
 }
 
-impl BreakLine {
+impl SkeletonLine {
     /// Length on the map, map units.
     pub fn length(&self) -> f64 {
         self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()

@@ -4,7 +4,7 @@ use super::tuned;
 
 tuned! {
     /// How break lines with heights are brought into agreement with contours.
-    CreaseTuning {
+    BreakLineTuning {
         /// Vertices of break lines per spacing.
         ///
         /// Refit: RMSE and time.

@@ -7,7 +7,7 @@ use crate::subdomains::Band;
 
 /// A break line as a survey or a map gives it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CreaseLine {
+pub struct BreakLine {
     /// Its course, map units.
     pub points: Vec<DVec2>,
     /// The height of each point, metres; empty if the line has none.
@@ -32,7 +32,7 @@ pub enum Bend {
 
 /// A piece of a break line as the surface uses it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Crease {
+pub struct FittedBreakLine {
     /// Vertices (x, y in map units, height in metres).
     pub points: Vec<DVec3>,
     /// How sure the height of each vertex is.
@@ -45,7 +45,7 @@ pub struct Crease {
     pub feature: FeatureId,
 }
 
-impl Crease {
+impl FittedBreakLine {
     /// Its course with heights.
     pub(crate) fn known(&self) -> KnownLine<'_> {
         KnownLine { points: &self.points, is_stream: false, sure: &self.sure }

@@ -15,7 +15,7 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use super::view::Subject;
-use tokosen_core::skeleton::{BreakKind, BreakLine};
+use tokosen_core::skeleton::{SkeletonKind, SkeletonLine};
 
 /// Nothing is drawn this near to the frame, pixels.
 pub(super) const REACH: f64 = 12.0;
@@ -48,7 +48,7 @@ pub(crate) enum Shown {
 /// The lines that are drawn, in map units.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Chosen {
-    pub lines: Vec<(BreakKind, Vec<DVec3>)>,
+    pub lines: Vec<(SkeletonKind, Vec<DVec3>)>,
     pub shown: Shown,
     /// Pixels.
     pub width: f32,
@@ -56,18 +56,23 @@ pub(crate) struct Chosen {
 
 impl Chosen {
     /// The lines of a kind.
-    pub fn of(&self, kind: BreakKind) -> impl Iterator<Item = &[DVec3]> {
+    pub fn of(&self, kind: SkeletonKind) -> impl Iterator<Item = &[DVec3]> {
         self.lines.iter().filter(move |line| line.0 == kind).map(|line| line.1.as_slice())
     }
 }
 
 /// Chooses the lines to draw on a map of `area` pixels with pixels of a size in map units, inside of a frame.
-pub(crate) fn choose(lines: &[BreakLine], frame: &[[DVec2; 2]], (pixel, area): (f64, f64), subject: Subject) -> Chosen {
+pub(crate) fn choose(
+    lines: &[SkeletonLine],
+    frame: &[[DVec2; 2]],
+    (pixel, area): (f64, f64),
+    subject: Subject,
+) -> Chosen {
     let edges = frame.iter().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect();
     let edges = RTree::bulk_load(edges);
     let finite = lines.iter().filter(|line| line.points.iter().all(|p| p.is_finite()));
     let pieces = finite.flat_map(|line| away(&line.points, &edges, pixel).into_iter().map(|piece| (line.kind, piece)));
-    let mut pieces: Vec<(f64, (BreakKind, Vec<DVec3>))> =
+    let mut pieces: Vec<(f64, (SkeletonKind, Vec<DVec3>))> =
         pieces.map(|piece| (length(&piece.1) / pixel, piece)).collect();
     pieces.retain(|(length, _)| *length >= SHORTEST);
     // The sort is stable, so lines of equal length keep their order.
@@ -88,7 +93,7 @@ pub(crate) fn choose(lines: &[BreakLine], frame: &[[DVec2; 2]], (pixel, area): (
         () => Shown::Longest,
     };
     pieces.truncate(if shown == Shown::Nothing { 0 } else { count });
-    let smooth = |(kind, piece): (BreakKind, Vec<DVec3>)| match subject {
+    let smooth = |(kind, piece): (SkeletonKind, Vec<DVec3>)| match subject {
         Subject::Ground => (kind, smoothed(&piece, pixel)),
         Subject::BreakLines => (kind, piece),
     };
@@ -163,9 +168,9 @@ mod tests {
     use super::*;
     use tokosen_core::skeleton::LineEnd;
 
-    fn line(kind: BreakKind, points: &[(f64, f64)]) -> BreakLine {
+    fn line(kind: SkeletonKind, points: &[(f64, f64)]) -> SkeletonLine {
         let points = points.iter().map(|&(x, y)| DVec3::new(x, y, 7.0)).collect();
-        BreakLine { kind, points, region: 0, ends: [LineEnd::Frame; 2], network: 0 }
+        SkeletonLine { kind, points, region: 0, ends: [LineEnd::Frame; 2], network: 0 }
     }
 
     /// The frame of a square of a thousand pixels.
@@ -178,18 +183,18 @@ mod tests {
 
     #[test]
     fn nothing_is_drawn_along_the_frame() {
-        let along = line(BreakKind::Ridge, &[(0.0, 0.0), (500.0, 0.0), (900.0, 5.0)]);
-        let into = line(BreakKind::Canyon, &[(300.0, 0.0), (300.0, 400.0)]);
-        let past = line(BreakKind::Ridge, &[(100.0, 500.0), (2.0, 500.0), (2.0, 700.0), (100.0, 700.0)]);
+        let along = line(SkeletonKind::Ridge, &[(0.0, 0.0), (500.0, 0.0), (900.0, 5.0)]);
+        let into = line(SkeletonKind::Canyon, &[(300.0, 0.0), (300.0, 400.0)]);
+        let past = line(SkeletonKind::Ridge, &[(100.0, 500.0), (2.0, 500.0), (2.0, 700.0), (100.0, 700.0)]);
         let chosen = choose(&[along, into, past], &frame(), SIZE, Subject::Ground);
         assert_eq!(chosen.shown, Shown::All);
-        assert_eq!(chosen.of(BreakKind::Ridge).count(), 2);
-        assert_eq!(chosen.of(BreakKind::Canyon).count(), 1);
+        assert_eq!(chosen.of(SkeletonKind::Ridge).count(), 2);
+        assert_eq!(chosen.of(SkeletonKind::Canyon).count(), 1);
         for point in chosen.lines.iter().flat_map(|line| &line.1) {
             let inside = point.truncate().min(DVec2::splat(1000.0) - point.truncate()).min_element();
             assert!(inside >= REACH - PIECE, "{point}");
         }
-        let canyon = chosen.of(BreakKind::Canyon).next().unwrap();
+        let canyon = chosen.of(SkeletonKind::Canyon).next().unwrap();
         assert!(canyon.last() == Some(&DVec3::new(300.0, 400.0, 7.0)) && length(canyon) > 380.0, "{canyon:?}");
     }
 
@@ -197,7 +202,7 @@ mod tests {
     fn lines_beside_the_ground_are_smooth_and_keep_their_ends() {
         let zigzag: Vec<(f64, f64)> =
             (0..100).map(|k| (100.0 + 3.0 * f64::from(k), 500.0 + f64::from(k % 2) * 4.0)).collect();
-        let zigzag = line(BreakKind::Ridge, &zigzag);
+        let zigzag = line(SkeletonKind::Ridge, &zigzag);
         let drawn = |subject| choose(std::slice::from_ref(&zigzag), &frame(), SIZE, subject).lines[0].1.clone();
         assert_eq!(drawn(Subject::BreakLines), zigzag.points);
         let smooth = drawn(Subject::Ground);
@@ -207,12 +212,12 @@ mod tests {
 
     #[test]
     fn lines_that_would_cover_the_map_are_left_out() {
-        let lines = |count: usize, length: f64| -> Vec<BreakLine> {
+        let lines = |count: usize, length: f64| -> Vec<SkeletonLine> {
             (0..count)
-                .map(|k| line(BreakKind::Ridge, &[(50.0, 50.0 + k as f64), (50.0 + length, 50.0 + k as f64)]))
+                .map(|k| line(SkeletonKind::Ridge, &[(50.0, 50.0 + k as f64), (50.0 + length, 50.0 + k as f64)]))
                 .collect()
         };
-        let shown = |lines: &[BreakLine], subject| {
+        let shown = |lines: &[SkeletonLine], subject| {
             let chosen = choose(lines, &frame(), SIZE, subject);
             let covered = chosen.lines.iter().map(|line| length(&line.1)).sum::<f64>() * f64::from(chosen.width) / 1e6;
             assert!(covered <= most(subject).0, "{covered}");

@@ -4,7 +4,7 @@ use glam::DVec2;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{PointDistance, RTree};
 
-use super::CreaseLine;
+use super::BreakLine;
 use crate::base::parallel;
 
 /// Lines nearer than this to each other count as one line that was drawn twice, as a share of the largest distance asked
@@ -13,8 +13,8 @@ const SAME: f64 = 0.125;
 
 /// The median distance from surveyed break lines to the nearest other one beside them, map units, at most `most`. Each
 /// piece of a line counts with its length. Lines that go on where another one ends do not run beside it.
-pub(crate) fn spacing(lines: &[CreaseLine], most: f64) -> f64 {
-    let of_line = |(number, line): (u32, &CreaseLine)| {
+pub(crate) fn spacing(lines: &[BreakLine], most: f64) -> f64 {
+    let of_line = |(number, line): (u32, &BreakLine)| {
         let segments = line.points.windows(2).map(|w| Line::new(w[0].to_array(), w[1].to_array()));
         segments.map(|segment| GeomWithData::new(segment, number)).collect::<Vec<_>>()
     };
@@ -54,11 +54,11 @@ fn ends(segment: &Line<[f64; 2]>) -> [DVec2; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::creases::Bend;
+    use crate::break_lines::Bend;
 
-    fn line(points: &[(f64, f64)], heights: &[f64]) -> CreaseLine {
+    fn line(points: &[(f64, f64)], heights: &[f64]) -> BreakLine {
         let points = points.iter().map(|p| DVec2::from(*p)).collect();
-        CreaseLine { points, heights: heights.to_vec(), bend: Bend::Either, feature: 1.into() }
+        BreakLine { points, heights: heights.to_vec(), bend: Bend::Either, feature: 1.into() }
     }
 
     #[test]
@@ -69,7 +69,7 @@ mod tests {
         assert_eq!(spacing(&[side(0.0)], 10.0), 10.0);
         assert_eq!(spacing(&[], 10.0), 10.0);
         // A line in many features, drawn without gaps.
-        let pieces: Vec<CreaseLine> =
+        let pieces: Vec<BreakLine> =
             (0..50).map(|k| line(&[(f64::from(k), 0.0), (f64::from(k + 1), 0.0)], &[5.0; 2])).collect();
         assert_eq!(spacing(&pieces, 10.0), 10.0);
         assert_eq!(spacing(&[side(0.0), side(0.0)], 10.0), 10.0);

@@ -15,6 +15,6 @@ mod line;
 mod settle;
 mod spacing;
 
-pub use line::{Bend, Crease, CreaseLine};
+pub use line::{Bend, BreakLine, FittedBreakLine};
 pub(crate) use settle::settle;
 pub(crate) use spacing::spacing;
