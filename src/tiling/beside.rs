@@ -26,7 +26,8 @@ pub fn in_window(beside: &Beside, window: &Window) -> Beside {
     let line = |points: &[DVec2]| window.meets_line(points.iter().copied());
     let area = |polygon: &Polygon<f64>| window.meets_box(polygon.exterior().coords().map(|c| DVec2::new(c.x, c.y)));
     let areas = |areas: &MultiPolygon<f64>| areas.iter().any(area);
-    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, .. } = &beside.features;
+    // Coasts are contours, and excluded parts are no features any more.
+    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, coast: _, excluded: _ } = &beside.features;
     Beside {
         features: Features {
             cliffs: some(cliffs, |cliff| line(&cliff.points)),
@@ -38,7 +39,6 @@ pub fn in_window(beside: &Beside, window: &Window) -> Beside {
                 SinkShape::Point(p) => window.holds(*p),
                 SinkShape::Area(area) => areas(area),
             }),
-            // Coasts are contours, and excluded parts are no features any more.
             coast: Vec::new(),
             excluded: Vec::new(),
         },
@@ -49,7 +49,7 @@ pub fn in_window(beside: &Beside, window: &Window) -> Beside {
 
 /// Adds what lies beside contours.
 pub fn encode(out: &mut Out, beside: &Beside) {
-    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, .. } = &beside.features;
+    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, coast: _, excluded: _ } = &beside.features;
     out.each(cliffs, |out, cliff| {
         out.feature(cliff.feature);
         out.points(&cliff.points);
@@ -115,7 +115,8 @@ pub fn decode(bytes: &mut In<'_>) -> Result<Beside> {
         };
         Ok(Sink { shape, feature })
     })?;
-    let features = Features { cliffs, lakes, streams, river_areas, break_lines, sinks, ..Features::default() };
+    let (coast, excluded) = (Vec::new(), Vec::new());
+    let features = Features { coast, excluded, cliffs, lakes, streams, river_areas, break_lines, sinks };
     let excluded = bytes.each(8, read_polygons)?;
     let at_cliffs = bytes.each(16, In::feature)?.into_iter().collect();
     Ok(Beside { features, excluded, at_cliffs })

@@ -6,8 +6,9 @@ use tokosen_core::base::{ElevationUnit, Grid};
 use tokosen_core::contour::Source;
 use tokosen_core::layers::{LayerParams, SIMPLIFIED, contour_layers};
 use tokosen_core::slice::ascends_right;
-use tokosen_core::surface::{Surface, Triangles, height_map};
+use tokosen_core::surface::{Surface, Triangles, Uncertainty, height_map};
 use tokosen_core::tin::NONE;
+use tokosen_core::tuning::Tuning;
 
 use super::cut::Tile;
 use super::divide::Block;
@@ -16,7 +17,7 @@ use super::manifest::{Levels, Task};
 use super::pieces::Around;
 use super::result::{LinePiece, TileLayer, TileResult};
 use super::stored;
-use crate::terrain::{Options, TileParams, tile_surface};
+use crate::terrain::{Options, Preparation, TileParams, tile_surface};
 
 /// What became of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +54,14 @@ pub fn work(folder: &Folder, task: &Task, memory: Option<u64>, progress: &dyn Pr
         stream_tolerance: shared.stream_tolerance,
         triangles,
         memory,
-        ..Options::default()
+        // The figures of the whole map hold them, or a plan refuses them. All are named, so that none is forgotten.
+        preparation: Preparation::default(),
+        tension: None,
+        noise: None,
+        base_fade: None,
+        grid: None,
+        uncertainty: Uncertainty::Unknown,
+        tuning: Tuning::default(),
     };
     let mut result = TileResult::default();
     let mut heights = None;

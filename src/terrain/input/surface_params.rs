@@ -47,7 +47,8 @@ pub(in crate::terrain) fn surface_params(options: &Options, frame: Frame, wanted
 
 /// Features, the level of the sea, and the levels of coasts, as the surface takes them.
 pub(in crate::terrain) fn given(features: Features, sea: Option<f64>, coast: Vec<f64>) -> Given {
-    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, .. } = features;
+    // The levels of coasts are given, and excluded parts are cut out of the map.
+    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, coast: _, excluded: _ } = features;
     Given {
         water: Water { lakes, sea, coast },
         streams: Streams { lines: streams, areas: river_areas },
