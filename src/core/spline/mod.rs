@@ -1,12 +1,13 @@
 //! The smooth surface: minimum curvature through the contours, on a working grid.
 //!
 //! It is a minimum-curvature surface (Briggs 1974, Geophysics 39; with tension: Smith and Wessel 1990, Geophysics 55).
-//! It differs from the plain one in four ways:
+//! It differs from the plain one in five ways:
 //!
 //! * Every node stays inside the band of its sub-domain, from the first step on.
 //! * Tension draws its slopes to those of the reference surface, which has the paper's ridge and canyon lines, and not
 //!   to level ground. Where contours are close, the straight way between them is the best guess. So shelves and bulges
 //!   do not arise.
+//! * Near the frame, where contours and ridge lines end, the tension falls to nothing (`border`).
 //! * In wide places, such as valley floors, a slope ends at the contour where the distance between contours jumps
 //!   (`wide`).
 //! * It may bend sharply where it must, most of all along ridge and canyon lines (iteratively reweighted least squares,
@@ -22,6 +23,7 @@
 
 mod at_contour;
 mod blur;
+mod border;
 mod cliffs;
 mod conditions;
 mod curvature_gain;

@@ -1,5 +1,6 @@
 //! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
 
+use super::border;
 use super::conditions::{Conditions, line_crossings, spot_crossings};
 use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
@@ -37,6 +38,7 @@ pub fn spline(
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
     let averaged = far::averaged(reference, lo, grid.cols, &wide.share);
     let mut tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
+    border::lower_tension(&mut tension, lo, grid, tuning.frame_reach * *spacing);
     // Whether cliffs free a node from the reference surface and from the middle of its band.
     let free = &conditions.beside_cliffs;
     tension.iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(tension, _)| *tension = 0.0);
