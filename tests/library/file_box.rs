@@ -30,7 +30,11 @@ fn written(folder: &TempDir, extension: &str) -> PathBuf {
             expected: None,
         }
     };
-    let layer = ContourLayer { name: "contours".into(), lines: (0..SIDE * SIDE).map(line).collect(), ..ContourLayer::default() };
+    let layer = ContourLayer {
+        name: "contours".into(),
+        lines: (0..SIDE * SIDE).map(line).collect(),
+        ..ContourLayer::default()
+    };
     let path = folder.path().join(format!("lines.{extension}"));
     let staged = StagedOutput::create(&path).unwrap();
     write_contours(&staged, &[layer], None).unwrap();
@@ -53,7 +57,8 @@ fn found(path: &Path) -> Vec<(f64, u64)> {
 fn break_features(path: &Path, which: &str) {
     let db = Connection::open(path).unwrap();
     let mut triggers = db.prepare("SELECT name FROM sqlite_master WHERE type = 'trigger'").unwrap();
-    let names: Vec<String> = triggers.query_map([], |row| row.get(0)).unwrap().map(std::result::Result::unwrap).collect();
+    let names: Vec<String> =
+        triggers.query_map([], |row| row.get(0)).unwrap().map(std::result::Result::unwrap).collect();
     names.iter().for_each(|name| db.execute_batch(&format!("DROP TRIGGER {name}")).unwrap());
     let broken = "UPDATE contours SET geom = substr(geom, 1, length(geom) - 20)";
     db.execute_batch(&format!("{broken} WHERE {which}")).unwrap();

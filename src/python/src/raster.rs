@@ -14,12 +14,16 @@ use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
     read_shift_grid, write_raster, write_shade, write_with_errors,
 };
+use tokosen::io::tiles::{TileFormat, TileImage};
 use tokosen::io::{StagedOutput, check_paths};
 use tokosen::raster::{Dem, ShiftWay};
 
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
+use crate::options::{one_of, tile_side};
 use crate::source::crs;
+use crate::terrain::Warned;
+use crate::tiles::{Tiling, terrain_tiles};
 use crate::unit::unit;
 use crate::work::work;
 
@@ -199,23 +203,42 @@ impl Raster {
         work(py, None, |_| picture_bytes(&Scene::of_height_map(&dem, &[], Units::METRES).image()?))
     }
 
-    /// Writes the raster.
+    /// Writes the raster. Gives what to warn of.
+    #[pyo3(signature = (path, to_unit, cog, png_encoding, tile_size, tile_image, tiling))]
     fn write(
         &self,
         py: Python<'_>,
         path: PathBuf,
         to_unit: &str,
         cog: bool,
-        png_encoding: &str,
-        overwrite: bool,
-    ) -> PyResult<()> {
+        png_encoding: Option<&str>,
+        tile_size: usize,
+        tile_image: &str,
+        tiling: Tiling,
+    ) -> PyResult<Option<Warned>> {
+        let is_tiles = TileFormat::of(&path).is_some();
         let png = match png_encoding {
-            "gray16" => PngEncoding::Gray16,
-            "gsi" => PngEncoding::Gsi,
-            "terrarium" => PngEncoding::Terrarium,
-            "mapbox" => PngEncoding::Mapbox,
-            other => return Err(parameter(py, format!("png_encoding is {other:?}: gray16, gsi, terrarium or mapbox"))),
+            None if is_tiles => PngEncoding::Terrarium,
+            None | Some("gray16") => PngEncoding::Gray16,
+            Some("gsi") => PngEncoding::Gsi,
+            Some("terrarium") => PngEncoding::Terrarium,
+            Some("mapbox") => PngEncoding::Mapbox,
+            Some(other) => return Err(one_of(py, "png_encoding", other, "gray16, gsi, terrarium or mapbox")),
         };
+        if is_tiles {
+            let image = match tile_image {
+                "png" => TileImage::Png,
+                "webp" => TileImage::Webp,
+                other => return Err(one_of(py, "tile_image", other, "png or webp")),
+            };
+            if self.quantity != Quantity::Height || unit(py, to_unit)?.is_foot() {
+                return Err(parameter(py, "terrain tiles hold heights in metres only"));
+            }
+            let (dem, layout) = (self.dem(py)?, (tile_side(py, tile_size)?, image));
+            return work(py, None, |progress| terrain_tiles(&dem, &path, layout, png, tiling, progress));
+        }
+        tiling.check_no_tiles(&path).map_err(|error| exception(py, &error))?;
+        let overwrite = tiling.overwrite;
         let tiff = if cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain };
         let params = RasterParams { quantity: self.quantity, png, tiff, unit: unit(py, to_unit)? };
         let dem = self.dem(py)?;
@@ -227,7 +250,8 @@ impl Raster {
             let what = if errors.is_some() { "height maps with standard errors" } else { "height maps" };
             return Err(parameter(py, format!("{}: {what} are written as {}", path.display(), known.join(", "))));
         }
-        py.detach(|| write(&path, &dem, errors.as_deref(), &params, overwrite)).map_err(|error| exception(py, &error))
+        let written = py.detach(|| write(&path, &dem, errors.as_deref(), &params, overwrite));
+        written.map(|()| None).map_err(|error| exception(py, &error))
     }
 }
 

@@ -24,6 +24,7 @@ __all__ = [
     "regions",
     "restored_layer",
     "skeleton",
+    "viewer",
 ]
 __version__: str
 
@@ -32,6 +33,7 @@ _Warned = list[tuple[str, str, str]]
 _Options = dict[str, Any]
 _Cells = dict[str, Any]
 _Levels = dict[str, Any]
+_Tiling = dict[str, Any]
 
 @final
 class Source:
@@ -65,7 +67,7 @@ class Layer:
     def offsets(self) -> list[Any]: ...
     def column(self, name: str) -> Any: ...
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
-    def write(self, path: str | os.PathLike[str], overwrite: bool) -> None: ...
+    def write(self, path: str | os.PathLike[str], tiling: _Tiling) -> _Warned: ...
 
 def layer_state(layer: Layer) -> Any: ...
 def restored_layer(state: Any) -> Layer: ...
@@ -95,8 +97,15 @@ class Raster:
     def volume(self, levels: list[float], other: Raster | None, sigma: float | None) -> list[list[float]]: ...
     def picture(self) -> bytes: ...
     def write(
-        self, path: str | os.PathLike[str], to_unit: str, cog: bool, png_encoding: str, overwrite: bool
-    ) -> None: ...
+        self,
+        path: str | os.PathLike[str],
+        to_unit: str,
+        cog: bool,
+        png_encoding: str | None,
+        tile_size: int,
+        tile_image: str,
+        tiling: _Tiling,
+    ) -> tuple[str, str, str] | None: ...
 
 @final
 class Model:
@@ -142,6 +151,7 @@ class Comparison:
     def page(self) -> str: ...
     def write_page(self, path: str | os.PathLike[str], overwrite: bool) -> None: ...
 
+def viewer(path: str | os.PathLike[str], title: str, overwrite: bool) -> list[str]: ...
 def program(arguments: list[str]) -> int: ...
 def check(
     contours: list[Source], given: _Options, to_crs: str | None, to_unit: str, progress: _Report
