@@ -27,6 +27,17 @@ use crate::tiles::{Tiling, terrain_tiles};
 use crate::unit::unit;
 use crate::work::work;
 
+/// How a raster is written.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Format {
+    to_unit: String,
+    cog: bool,
+    png_encoding: Option<String>,
+    tile_size: usize,
+    tile_image: String,
+}
+
 /// Values on a grid.
 #[pyclass(frozen, module = "tokosen._tokosen")]
 pub struct Raster {
@@ -204,20 +215,9 @@ impl Raster {
     }
 
     /// Writes the raster. Gives what to warn of.
-    #[pyo3(signature = (path, to_unit, cog, png_encoding, tile_size, tile_image, tiling))]
-    fn write(
-        &self,
-        py: Python<'_>,
-        path: PathBuf,
-        to_unit: &str,
-        cog: bool,
-        png_encoding: Option<&str>,
-        tile_size: usize,
-        tile_image: &str,
-        tiling: Tiling,
-    ) -> PyResult<Option<Warned>> {
+    fn write(&self, py: Python<'_>, path: PathBuf, format: Format, tiling: Tiling) -> PyResult<Option<Warned>> {
         let is_tiles = TileFormat::of(&path).is_some();
-        let png = match png_encoding {
+        let png = match format.png_encoding.as_deref() {
             None if is_tiles => PngEncoding::Terrarium,
             None | Some("gray16") => PngEncoding::Gray16,
             Some("gsi") => PngEncoding::Gsi,
@@ -225,22 +225,23 @@ impl Raster {
             Some("mapbox") => PngEncoding::Mapbox,
             Some(other) => return Err(one_of(py, "png_encoding", other, "gray16, gsi, terrarium or mapbox")),
         };
+        let heights_in = unit(py, &format.to_unit)?;
         if is_tiles {
-            let image = match tile_image {
+            let image = match format.tile_image.as_str() {
                 "png" => TileImage::Png,
                 "webp" => TileImage::Webp,
                 other => return Err(one_of(py, "tile_image", other, "png or webp")),
             };
-            if self.quantity != Quantity::Height || unit(py, to_unit)?.is_foot() {
+            if self.quantity != Quantity::Height || heights_in.is_foot() {
                 return Err(parameter(py, "terrain tiles hold heights in metres only"));
             }
-            let (dem, layout) = (self.dem(py)?, (tile_side(py, tile_size)?, image));
+            let (dem, layout) = (self.dem(py)?, (tile_side(py, format.tile_size)?, image));
             return work(py, None, |progress| terrain_tiles(&dem, &path, layout, png, tiling, progress));
         }
         tiling.check_no_tiles(&path).map_err(|error| exception(py, &error))?;
         let overwrite = tiling.overwrite;
-        let tiff = if cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain };
-        let params = RasterParams { quantity: self.quantity, png, tiff, unit: unit(py, to_unit)? };
+        let tiff = if format.cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain };
+        let params = RasterParams { quantity: self.quantity, png, tiff, unit: heights_in };
         let dem = self.dem(py)?;
         let errors = self.error.as_ref().map(|error| copied(py, error)).transpose()?;
         let known = if errors.is_some() { TWO_BAND_EXTENSIONS.as_slice() } else { DEM_EXTENSIONS.as_slice() };

@@ -227,8 +227,14 @@ class Dem:
         >>> tokosen.dem(tokosen.example(), cell=10).to_file(folder / "dem.tif", cog=True)
         >>> tokosen.dem(tokosen.example(), max_zoom=16).to_file(folder / "terrain.pmtiles", tile_image="webp")
         """
-        tiles = tiling(None, attribution, overwrite)
-        warned = self._raster.write(os.fspath(path), to_unit, cog, png_encoding, tile_size, tile_image, tiles)
+        asked = {
+            "to_unit": to_unit,
+            "cog": cog,
+            "png_encoding": png_encoding,
+            "tile_size": tile_size,
+            "tile_image": tile_image,
+        }
+        warned = self._raster.write(os.fspath(path), asked, tiling(None, attribution, overwrite))
         warn_of([warned] if warned else [], stacklevel=3)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:

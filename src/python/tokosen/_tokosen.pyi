@@ -97,14 +97,7 @@ class Raster:
     def volume(self, levels: list[float], other: Raster | None, sigma: float | None) -> list[list[float]]: ...
     def picture(self) -> bytes: ...
     def write(
-        self,
-        path: str | os.PathLike[str],
-        to_unit: str,
-        cog: bool,
-        png_encoding: str | None,
-        tile_size: int,
-        tile_image: str,
-        tiling: _Tiling,
+        self, path: str | os.PathLike[str], format: dict[str, Any], tiling: _Tiling
     ) -> tuple[str, str, str] | None: ...
 
 @final
