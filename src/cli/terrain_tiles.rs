@@ -7,7 +7,7 @@ use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
 use tokosen::crs::Crs;
 use tokosen::io::raster::PngEncoding;
-use tokosen::io::tiles::{TerrainTiles, TileFormat, TileImage, WrittenTerrain, pixel_size};
+use tokosen::io::tiles::{HIGHEST_ZOOM, TerrainTiles, TileFormat, TileImage, WrittenTerrain, pixel_size};
 use tokosen::tiles::WEB_MERCATOR;
 
 use super::console::Console;
@@ -24,7 +24,7 @@ pub struct TerrainTileArgs {
     #[arg(
         long,
         value_name = "Z",
-        value_parser = clap::value_parser!(u8).range(0..=20),
+        value_parser = clap::value_parser!(u8).range(0..=i64::from(HIGHEST_ZOOM)),
         conflicts_with_all = ["cell", "cell_degrees", "like"],
         hide_short_help = true
     )]

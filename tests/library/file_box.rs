@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec2;
 use rusqlite::Connection;
 use tempfile::TempDir;
-use tokosen::base::error::{Report, Result};
+use tokosen::base::error::{FindingKind, Report, Result};
 use tokosen::contour::{ContourLayer, ContourLine, ContourMap, Source};
 use tokosen::io::{StagedOutput, VectorSource, read_contours, write_contours};
 
@@ -74,6 +74,17 @@ fn a_geopackage_is_read_by_its_index() {
     break_features(&path, "fid > 3");
     assert_eq!(found(&path), expected);
     assert!(read(&path, "-5,-5,320,40").is_err_and(|e| e.to_string().contains("feature 4")));
+    // What has no geometry meets no box, and the index has no entry for it.
+    Connection::open(&path).unwrap().execute_batch("INSERT INTO contours (elev) VALUES (5)").unwrap();
+    assert_eq!(found(&path), expected);
+    let about_it = |path: &Path| {
+        let findings = read(path, BOX).unwrap().findings;
+        findings.iter().any(|finding| finding.kind == FindingKind::SkippedFeature)
+    };
+    assert!(!about_it(&path));
+    Connection::open(&path).unwrap().execute_batch("DROP TABLE rtree_contours_geom").unwrap();
+    Connection::open(&path).unwrap().execute_batch("UPDATE contours SET geom = NULL WHERE fid > 3").unwrap();
+    assert!(found(&path) == expected && !about_it(&path), "nor if the whole table is read");
 }
 
 #[test]

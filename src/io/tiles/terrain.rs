@@ -17,6 +17,8 @@ use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::raster::Dem;
 use tokosen_core::tiles::{TilePlace, ZoomHeights, check_latitudes, lowest_zoom, tile_size, to_degrees, zoom_heights};
 
+/// The highest zoom of terrain tiles: pixels of 7 cm at the equator.
+pub const HIGHEST_ZOOM: u8 = 20;
 /// Tiles that are made before they are written.
 const BATCH: usize = 256;
 

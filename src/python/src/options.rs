@@ -11,7 +11,7 @@ use tokosen::contour::Interval;
 use tokosen::contour::Target;
 use tokosen::crs::{Crs, FromWorking};
 use tokosen::drain::Drain;
-use tokosen::io::tiles::pixel_size;
+use tokosen::io::tiles::{HIGHEST_ZOOM, pixel_size};
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::tiles::WEB_MERCATOR;
@@ -106,6 +106,9 @@ impl Cells {
             return Err(parameter(py, "give one of cell, cell_degrees, like and max_zoom"));
         }
         if let Some(zoom) = self.max_zoom {
+            if zoom > HIGHEST_ZOOM {
+                return Err(parameter(py, format!("max_zoom is {zoom}; it must be 0 to {HIGHEST_ZOOM}")));
+            }
             if to_crs.is_some_and(|crs| crs.epsg != Some(WEB_MERCATOR)) {
                 return Err(parameter(py, "with max_zoom, the height map is in Web Mercator (EPSG:3857)"));
             }

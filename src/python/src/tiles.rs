@@ -10,7 +10,8 @@ use tokosen::contour::{ContourLayer, Interval, Target};
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::io::raster::PngEncoding;
 use tokosen::io::tiles::{
-    ContourTiles, TerrainTiles, TileFormat, TileImage, pixel_size, write_contour_tiles, write_terrain_tiles,
+    ContourTiles, HIGHEST_ZOOM, TerrainTiles, TileFormat, TileImage, pixel_size, write_contour_tiles,
+    write_terrain_tiles,
 };
 use tokosen::io::{StagedOutput, check_paths};
 use tokosen::raster::Dem;
@@ -100,7 +101,7 @@ pub fn terrain_tiles(
     let Some(image) = image.in_path(path) else { return refused("terrain tiles in a folder are .png or .webp") };
     let is_mercator = dem.crs.as_ref().is_some_and(|crs| crs.epsg == Some(WEB_MERCATOR));
     let Some(zoom) =
-        (0..=20).find(|&zoom| is_mercator && (dem.grid.cell.x / pixel_size(zoom, side)).log2().abs() < 0.5)
+        (0..=HIGHEST_ZOOM).find(|&zoom| is_mercator && (dem.grid.cell.x / pixel_size(zoom, side)).log2().abs() < 0.5)
     else {
         return refused("the cells are not the pixels of tiles; make the height map with max_zoom=13 or another zoom");
     };

@@ -71,6 +71,7 @@ def test_what_is_wrong_is_said(tmp_path):
         (lambda: dem.to_file(tmp_path / "a.pmtiles"), "max_zoom"),
         (lambda: tokosen.derive(dem, "slope").to_file(tmp_path / "a.pmtiles"), "heights in metres only"),
         (lambda: tokosen.dem(tokosen.example(), max_zoom=12, tile_size=300), "256 or 512"),
+        (lambda: tokosen.dem(tokosen.example(), max_zoom=21), "0 to 20"),
         (lambda: tokosen.dem(tokosen.example(), cell=5, max_zoom=12), "give one of"),
         (lambda: tokosen.dem(tokosen.example(), max_zoom=12, to_crs=6677), "Web Mercator"),
     ]
