@@ -5,8 +5,8 @@ use rusqlite::{Connection, params_from_iter};
 use super::quoted::quoted;
 
 /// The index of a layer whose rows have the key `key`, if it can be trusted: it is sound, and each feature with a geometry has an
-/// entry. A program that does not know the index may have changed the layer. Both looks take a fraction of the time for the
-/// features themselves.
+/// entry. A program that does not know the index may have added features. Its boxes are believed, as other programs do. Both looks
+/// take a fraction of the time for the features themselves.
 pub(super) fn sound_index(db: &Connection, layer: &str, geometry: &str, key: &str) -> Option<String> {
     let name = format!("rtree_{layer}_{geometry}");
     let (table, geometry, index) = (quoted(layer), quoted(geometry), quoted(&name));
