@@ -14,6 +14,7 @@ use tokosen::crs::{Crs, HeightSystem, Reprojection};
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::Scene;
 use tokosen::io::raster::read_dem;
+use tokosen::io::tiles::TileFormat;
 use tokosen::io::{Content, PlannedOutput, VectorSource, content, write_layers_back};
 use tokosen::raster::Dem;
 use tokosen::terrain::read_area_on;
@@ -117,7 +118,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let band_names: Vec<&str> = band_names.iter().map(String::as_str).collect();
     args.check(&names, &band_names, console)?;
     let shift = args.shift.read()?;
-    let staged = tiles::open(&args.output)?;
+    let staged = TileFormat::open(&args.output)?;
     let band_output = args.levels.bands.open()?;
     let viewer = args.viewer.open(&[&args.output], &title(&[&args.dem]))?;
     let attribution = args.viewer.attribution.as_deref();

@@ -11,6 +11,7 @@ use tokosen::contour::Target;
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::crs::FromWorking;
 use tokosen::draw::Scene;
+use tokosen::io::tiles::TileFormat;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, write_layers_back};
 use tokosen::layers::{LayerParams, are_given};
 use tokosen::surface::{SurfaceKind, Triangles, working_pits};
@@ -121,7 +122,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     console.plan(["slicing"]);
     console.plan(plan.map(|_| "choosing"));
     console.plan(["writing"]);
-    let staged = tiles::open(&args.output)?;
+    let staged = TileFormat::open(&args.output)?;
     let viewer = args.viewer.open(&args.maps(), &args.input.map.title())?;
     let attribution = args.viewer.attribution.as_deref();
     let dem_output = args

@@ -23,7 +23,7 @@ use super::{memory, plane};
 pub struct MapArgs {
     /// Contour lines: GeoJSON (.geojson, .json, .geojsonl, .geojsons), GeoPackage (.gpkg), shapefile (.shp, also in a
     /// .zip), FlatGeobuf (.fgb), GeoParquet (.parquet), DXF (.dxf), KML (.kml, .kmz), GML (.gml), well-known text (.csv, .tsv), or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
-    /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours', and a box that features must meet: 'all.parquet|bbox=XMIN,YMIN,XMAX,YMAX'
+    /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours', and a box that features must meet: 'all.gpkg|bbox=XMIN,YMIN,XMAX,YMAX'
     #[arg(required = true, value_name = "CONTOURS", value_parser = source())]
     pub contours: Vec<VectorSource>,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]

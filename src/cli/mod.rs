@@ -74,6 +74,7 @@ use failure::Failure;
 use flags::Flags;
 pub use memory::available as available_memory;
 use run_file::{Record, Repeated, RunFile};
+pub use viewer::write_viewer;
 
 /// Denser contour lines, height maps and 3-D models from a map's contour lines
 #[derive(Debug, Parser)]

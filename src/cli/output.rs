@@ -11,7 +11,7 @@ use tokosen::io::raster::{
     EngineFiles, Quantity, RasterParams, TWO_BAND_EXTENSIONS, reading, write_for_engine, write_raster, write_rows,
     write_shade, write_stac_item, write_with_errors,
 };
-use tokosen::io::tiles::{TerrainTiles, WrittenTerrain, write_terrain_tiles};
+use tokosen::io::tiles::{TerrainTiles, TileFormat, WrittenTerrain, write_terrain_tiles};
 use tokosen::raster::{Dem, RasterRows};
 use tokosen::terrain::HeightMap;
 use tokosen::{GridSpec, Terrain};
@@ -63,7 +63,7 @@ impl DemOutput {
         wanted.check(path, crs, unit)?;
         if let Some(mut tiles) = wanted.tiles(path, crs, unit)? {
             tiles.attribution = attribution.map(str::to_owned);
-            let staged = super::tiles::open(path)?;
+            let staged = TileFormat::open(path)?;
             return Ok(Self {
                 staged,
                 grid: terrain_tiles::grid(&tiles),
@@ -114,7 +114,7 @@ impl DemOutput {
         let written = match &self.format {
             DemFormat::Tiles(params, path) => {
                 write_terrain_tiles(&self.staged, path, dem, params, console).map(|written| {
-                    findings.extend(terrain_tiles::beyond_map(params, &written));
+                    findings.extend(written.beyond_map(params));
                     tiles = Some(written);
                 })
             }

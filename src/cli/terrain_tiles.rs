@@ -5,10 +5,9 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
-use tokosen::base::error::{Finding, FindingKind};
 use tokosen::crs::Crs;
 use tokosen::io::raster::PngEncoding;
-use tokosen::io::tiles::{TerrainTiles, TileFormat, TileImage, WrittenTerrain, pixel_size};
+use tokosen::io::tiles::{HIGHEST_ZOOM, TerrainTiles, TileFormat, TileImage, WrittenTerrain, pixel_size};
 use tokosen::tiles::WEB_MERCATOR;
 
 use super::console::Console;
@@ -25,7 +24,7 @@ pub struct TerrainTileArgs {
     #[arg(
         long,
         value_name = "Z",
-        value_parser = clap::value_parser!(u8).range(0..=20),
+        value_parser = clap::value_parser!(u8).range(0..=i64::from(HIGHEST_ZOOM)),
         conflicts_with_all = ["cell", "cell_degrees", "like"],
         hide_short_help = true
     )]
@@ -89,14 +88,8 @@ impl TerrainTileArgs {
         if unit.is_foot() {
             return usage("terrain tiles hold metres only, so --to-unit cannot be feet");
         }
-        let image = match (
-            TileFormat::folder(path).map(|(_, extension)| extension),
-            self.tile_image.unwrap_or(ImageArg::Png),
-        ) {
-            (Some("png"), _) | (None, ImageArg::Png) => TileImage::Png,
-            (Some("webp"), _) | (None, ImageArg::Webp) => TileImage::Webp,
-            (Some(_), _) => return usage("terrain tiles in a folder are .png or .webp"),
-        };
+        let asked = if self.tile_image == Some(ImageArg::Webp) { TileImage::Webp } else { TileImage::Png };
+        let Some(image) = asked.in_path(path) else { return usage("terrain tiles in a folder are .png or .webp") };
         let side = match self.tile_size.unwrap_or(SideArg::Large) {
             SideArg::Small => 256,
             SideArg::Large => 512,
@@ -115,22 +108,6 @@ impl TerrainTileArgs {
 /// The cells that are the pixels of tiles.
 pub fn grid(tiles: &TerrainTiles) -> GridSpec {
     GridSpec::CellIn { size: pixel_size(tiles.zoom, tiles.side), crs: Crs::from_epsg(WEB_MERCATOR) }
-}
-
-/// Tiles of which more than this share lies beyond the height map are a finding.
-const BEYOND: f64 = 0.9;
-
-/// The finding about tiles that lie nearly all beyond the height map.
-pub fn beyond_map(tiles: &TerrainTiles, written: &WrittenTerrain) -> Option<Finding> {
-    let count = written.zooms.last().filter(|zoom| zoom.zoom == tiles.zoom)?.tiles;
-    let pixels = (count * tiles.side * tiles.side) as f64;
-    let share = written.filled as f64 / pixels;
-    let zoom = tiles.zoom;
-    let message = format!(
-        "{:.0} % of the pixels of zoom {zoom} lie beyond the map, which is small beside a tile; choose a higher --max-zoom",
-        100.0 * share
-    );
-    (share > BEYOND).then(|| Finding::general(FindingKind::TilesBeyondMap, message))
 }
 
 /// Prints what is in the tiles.

@@ -24,7 +24,7 @@ pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
     if levels.to_depths && !has_attributes {
         return usage("--to-depths adds attributes, which neither a DXF nor map tiles have".into());
     }
-    let Some(format) = TileFormat::of(output) else {
+    if TileFormat::of(output).is_none() {
         if VectorFormat::from_path(output).is_err() {
             return usage(format!("{}: {KINDS}", output.display()));
         }
@@ -33,9 +33,8 @@ pub fn check(output: &Path, levels: &LevelsArgs) -> Result<(), Failure> {
         }
         levels.to_crs.check(output)?;
         return levels.labels.check(output, levels.which.index);
-    };
-    let extension = TileFormat::folder(output).map_or("pbf", |(_, extension)| extension);
-    if format == TileFormat::Folder && !["pbf", "mvt"].contains(&extension) {
+    }
+    if !TileFormat::takes_contours(output) {
         return usage(format!("{}: vector tiles in a folder are .pbf or .mvt", output.display()));
     }
     if levels.labels.labels.is_some() {
@@ -55,14 +54,6 @@ pub fn files(output: &Path, names: &[&str]) -> Result<Vec<PathBuf>, Error> {
     match TileFormat::of(output) {
         Some(_) => Ok(vec![output.to_owned()]),
         None => contour_files(output, names),
-    }
-}
-
-/// Opens the output.
-pub fn open(output: &Path) -> Result<StagedOutput, Error> {
-    match TileFormat::of(output) {
-        Some(TileFormat::Folder) => StagedOutput::create_folder(&TileFormat::target(output)),
-        _ => StagedOutput::create(output),
     }
 }
 
@@ -98,11 +89,8 @@ pub fn describe(output: &Path, written: &WrittenTiles, unit: &str, console: &Con
     for zoom in &written.zooms {
         console.say(&format!("           {}", line(zoom, unit)));
     }
-    let gaps: usize = written.zooms.iter().map(|zoom| zoom.gaps).sum();
-    if gaps > 0 {
-        console.warn(&format!(
-            "warning: lines have {gaps} gaps in the tiles, where they lie closer to another level than the finest grid shows"
-        ));
+    if let Some(message) = written.gaps_in_words() {
+        console.warn(&format!("warning: {message}"));
     }
 }
 

@@ -79,15 +79,7 @@ impl Viewer {
     /// Writes the page for the sets that are in its folder now, those of this run first.
     pub fn commit(self, console: &Console) -> Result<(), Failure> {
         let folder = self.staged.folder().to_owned();
-        let mut sets = tile_sets(&folder).map_err(|e| Error::io("read", &folder, e))?;
-        let is_own = |name: &str| self.own.iter().any(|path| path.file_name() == Some(OsStr::new(name)));
-        sets.sort_by_key(|set| !is_own(&set.name));
-        let names: Vec<String> = sets.iter().map(|set| set.name.clone()).collect();
-        let viewed: Vec<ViewedSet> =
-            sets.into_iter().map(|set| ViewedSet { name: set.name, extension: set.extension }).collect();
-        let path = self.staged.path();
-        let written = std::fs::write(&path, viewer_page(&self.title, &viewed));
-        written.map_err(|e| self.staged.with_final_name(Error::io("write", &path, e)))?;
+        let names = write_viewer(&self.staged, &self.title, &self.own)?;
         console.say(&format!(
             "written    {} (shows {}; open it from a web server that answers range requests, such as 'npx http-server {}')",
             self.staged.commit()?.display(),
@@ -96,6 +88,24 @@ impl Viewer {
         ));
         Ok(())
     }
+}
+
+/// Writes the page for the sets that are in its folder, those of `own` first. Gives the names of all.
+///
+/// # Errors
+/// The folder cannot be read, or the page cannot be written.
+pub fn write_viewer(page: &StagedOutput, title: &str, own: &[PathBuf]) -> Result<Vec<String>, Error> {
+    let folder = page.folder();
+    let mut sets = tile_sets(folder).map_err(|e| Error::io("read", folder, e))?;
+    let is_own = |name: &str| own.iter().any(|path| path.file_name() == Some(OsStr::new(name)));
+    sets.sort_by_key(|set| !is_own(&set.name));
+    let names = sets.iter().map(|set| set.name.clone()).collect();
+    let viewed: Vec<ViewedSet> =
+        sets.into_iter().map(|set| ViewedSet { name: set.name, extension: set.extension }).collect();
+    let path = page.path();
+    let written = std::fs::write(&path, viewer_page(title, &viewed));
+    written.map_err(|e| page.with_final_name(Error::io("write", &path, e)))?;
+    Ok(names)
 }
 
 /// What a page is called: the names of the input's files. Where they lie is no matter of those who see it.

@@ -14,6 +14,11 @@ impl FileBox {
         (sides[0] <= sides[2] && sides[1] <= sides[3]).then_some(Self(sides))
     }
 
+    /// Least x, least y, greatest x, greatest y.
+    pub(crate) fn sides(&self) -> [f64; 4] {
+        self.0
+    }
+
     /// Whether it meets another box: least x, least y, greatest x, greatest y. One with sides that are no numbers may.
     pub(crate) fn meets(&self, [x0, y0, x1, y1]: [f64; 4]) -> bool {
         let [low_x, low_y, high_x, high_y] = self.0;

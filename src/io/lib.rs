@@ -92,8 +92,8 @@ pub struct ReadOptions {
     /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas. For a GML:
     /// the type of the features. For zipped shapefiles: the name of one.
     pub layer: Option<String>,
-    /// The box that features must meet, in the coordinates of the file. Of a GeoParquet, only the groups of rows are read that
-    /// may meet it. No features are left out if `None`.
+    /// The box that features must meet, in the coordinates of the file. Of a GeoPackage, a FlatGeobuf and a GeoParquet, only what
+    /// may meet it is read, if the file has an index. No features are left out if `None`.
     pub within: Option<FileBox>,
     /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
@@ -208,6 +208,8 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     let mut table = read_whole_table(path, options, purpose)?;
     if let Some(within) = options.within {
         table.features.retain(|feature| within.meets(feature.sides()));
+        // A feature without geometry meets no box.
+        table.left_out.remove(table::NO_GEOMETRY);
         if table.features.is_empty() {
             let message = "no feature meets the box after |bbox=, which has the coordinates of the file";
             return Err(Error::file(path, message));

@@ -51,7 +51,7 @@ impl VectorSource {
     }
 
     /// Takes a path, or a path and a layer as QGIS writes them: `all.gpkg|layername=Lakes`. Also a box that features must meet:
-    /// `all.parquet|bbox=XMIN,YMIN,XMAX,YMAX`.
+    /// `all.gpkg|bbox=XMIN,YMIN,XMAX,YMAX`.
     ///
     /// # Errors
     /// A sentence if something else is named after the path, or the box is none.

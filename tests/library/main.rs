@@ -13,6 +13,7 @@ mod degenerate;
 mod elevations;
 mod faults;
 mod figures;
+mod file_box;
 mod floors;
 mod gorge;
 mod gsi_files;

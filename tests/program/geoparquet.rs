@@ -49,6 +49,7 @@ fn a_box_after_a_file_leaves_out_what_lies_elsewhere() {
     let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 5 -o a.parquet");
     folder.succeeds("densify in.gpkg -i 5 -o a.gpkg");
+    folder.succeeds("densify in.gpkg -i 5 -o a.fgb");
     let sides = "745000,4019000,746000,4020000";
     let all = contours(&folder, "a.gpkg");
     let meets = |(_, points): &(f64, Vec<glam::DVec2>)| {
@@ -57,7 +58,7 @@ fn a_box_after_a_file_leaves_out_what_lies_elsewhere() {
     };
     let expected: Vec<_> = lines(&all).into_iter().filter(meets).collect();
     assert!(expected.len() > 5 && expected.len() < all.contours.len());
-    for name in ["a.gpkg", "a.parquet"] {
+    for name in ["a.gpkg", "a.parquet", "a.fgb"] {
         assert!(lines(&contours(&folder, &format!("{name}|bbox={sides}"))) == expected, "{name}");
     }
     let said = folder.ends("check a.parquet|bbox=0,0,1,1", FAILED);

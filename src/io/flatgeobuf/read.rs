@@ -7,6 +7,7 @@ use std::path::Path;
 use ::flatgeobuf::{Header, size_prefixed_root_as_feature, size_prefixed_root_as_header};
 
 use super::{geometry, properties};
+use crate::file_box::FileBox;
 use crate::ordinary::open_to_read;
 use crate::table::{Feature, NO_GEOMETRY, Request, Table};
 use tokosen_core::base::error::{Error, Result};
@@ -38,14 +39,24 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     }
     let mut table = Table::new(request);
     (table.crs, table.crs_problem) = crs_of(&header);
-    reader.skip_index(&header)?;
+    let mut chosen = reader.pass_index(&header, request.within)?.map(Vec::into_iter);
 
     let fields = properties::columns(header.columns().into_iter().flat_map(|c| c.iter()), &mut table);
     let count = header.features_count();
     let mut buffer = Vec::new();
     let mut number = 0;
     // A file that was streamed does not state its feature count; it ends after its last feature.
-    while if count == 0 { reader.remaining > 0 } else { number < count } {
+    let is_end = |number: u64, remaining: u64| if count == 0 { remaining == 0 } else { number == count };
+    loop {
+        match &mut chosen {
+            Some(places) => {
+                let Some((next, remaining)) = places.next() else { return Ok(table) };
+                number = next;
+                reader.go_to(remaining)?;
+            }
+            None if is_end(number, reader.remaining) => break,
+            None => {}
+        }
         let broken = |what: String| Error::file(path, format!("feature {number}: {what}; the file is broken"));
         if reader.remaining == 0 {
             return Err(Error::file(
@@ -124,16 +135,52 @@ impl<'a> FileReader<'a> {
         self.fill(&mut buffer[4..])
     }
 
-    fn skip_index(&mut self, header: &Header<'_>) -> Result<()> {
-        let Some(size) = index_size(header.features_count(), header.index_node_size()).filter(|&s| s <= self.remaining)
-        else {
+    /// Moves to where this many bytes are not read yet.
+    fn go_to(&mut self, remaining: u64) -> Result<()> {
+        let step = i64::try_from(i128::from(self.remaining) - i128::from(remaining)).expect("no file is longer");
+        self.remaining = remaining;
+        self.file.seek_relative(step).map_err(|e| Error::io("read", self.path, e))
+    }
+
+    /// Reads the spatial index and moves to the first feature. Gives the features that may meet a box: the number of each, and
+    /// how many bytes are not read yet where it begins. None without a box, or if the index does not state them in the order of
+    /// the file.
+    fn pass_index(&mut self, header: &Header<'_>, within: Option<FileBox>) -> Result<Option<Vec<(u64, u64)>>> {
+        let count = header.features_count();
+        let Some(size) = index_size(count, header.index_node_size()).filter(|&s| s <= self.remaining) else {
             let message =
                 "the file ends within its spatial index; it is not complete, or it is broken; copy or export it again";
             return Err(Error::file(self.path, message));
         };
-        self.remaining -= size;
-        let size = i64::try_from(size).expect("no file is longer");
-        self.file.seek_relative(size).map_err(|e| Error::io("read", self.path, e))
+        let features = self.remaining - size;
+        let chosen = match within.filter(|_| size > 0) {
+            Some(within) => self.meeting(count, features, within)?,
+            None => None,
+        };
+        self.go_to(features)?;
+        Ok(chosen)
+    }
+
+    /// The features that may meet a box, by the last entries of the index: those of the features, in their order. The entries
+    /// before them, which are boxes around these, are not needed: one feature takes far more than its entry.
+    fn meeting(&mut self, count: u64, features: u64, within: FileBox) -> Result<Option<Vec<(u64, u64)>>> {
+        self.go_to(features + INDEX_ENTRY * count)?;
+        let mut chosen = Vec::new();
+        let mut least = 0;
+        for number in 0..count {
+            let mut entry = [0; INDEX_ENTRY as usize];
+            self.fill(&mut entry)?;
+            let (words, _) = entry.as_chunks();
+            let [x0, y0, x1, y1, place] = std::array::from_fn(|k| u64::from_le_bytes(words[k]));
+            if place < least || place >= features || (number == 0 && place > 0) {
+                return Ok(None);
+            }
+            least = place + 1;
+            if within.meets([x0, y0, x1, y1].map(f64::from_bits)) {
+                chosen.push((number, features - place));
+            }
+        }
+        Ok(Some(chosen))
     }
 }
 

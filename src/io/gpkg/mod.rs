@@ -1,6 +1,7 @@
 //! GeoPackage (OGC 12-128r17, version 1.3): an SQLite file with agreed tables.
 
 mod engine;
+mod index;
 mod merge;
 mod quoted;
 mod read;

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OptionalExtension, Row};
+use rusqlite::{Connection, OptionalExtension, Row, params_from_iter};
 
 use super::engine::{self, in_words};
+use super::index::sound_index;
 use super::quoted::quoted;
 use super::wkb;
 use crate::attributes::{is_depth_name, is_elevation_name, is_open_name, upper_of};
@@ -82,7 +83,7 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             continue;
         }
         (table.crs, table.crs_problem) = (crs, problem);
-        read_layer(path, &db, layer, &mut table, request.memory)?;
+        read_layer(path, &db, layer, &mut table, request)?;
     }
     Ok(table)
 }
@@ -250,10 +251,26 @@ fn limit_steps(path: &Path, db: &mut Connection) -> rusqlite::Result<()> {
     )
 }
 
-fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, budget: Option<u64>) -> Result<()> {
+/// Reads a layer. If there is a box that features must meet, the index chooses those that may; otherwise all are read. Either
+/// way they come in the order of their keys.
+fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, request: &Request<'_>) -> Result<()> {
     let broken = |e| unread(path, layer, e);
     let (columns, key) = columns_of(db, layer).map_err(broken)?;
-    let mut statement = db.prepare(&format!("SELECT * FROM {}", quoted(&layer.table))).map_err(broken)?;
+    let name = quoted(&layer.table);
+    let index = request.within.and_then(|within| {
+        let key = quoted(&columns[key?]);
+        let index = sound_index(db, &layer.table, &layer.geometry, &key)?;
+        Some((within, key, index))
+    });
+    let (sql, sides) = match index {
+        Some((within, key, index)) => {
+            let meeting = "maxx >= ?1 AND maxy >= ?2 AND minx <= ?3 AND miny <= ?4";
+            let chosen = format!("SELECT id FROM {index} WHERE {meeting}");
+            (format!("SELECT * FROM {name} WHERE {key} IN ({chosen}) ORDER BY {key}"), within.sides().to_vec())
+        }
+        None => (format!("SELECT * FROM {name}"), Vec::new()),
+    };
+    let mut statement = db.prepare(&sql).map_err(broken)?;
     if statement.column_count() != columns.len() {
         return Err(Error::file(path, format!("the columns of the layer {:?} cannot be distinguished", layer.table)));
     }
@@ -267,7 +284,7 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, bu
         .map(|(i, name)| (i != geometry && Some(i) != key).then(|| table.field(name)))
         .collect();
 
-    let mut rows = statement.query([]).map_err(broken)?;
+    let mut rows = statement.query(params_from_iter(sides)).map_err(broken)?;
     let (mut count, mut taken) = (0, 0);
     while let Some(row) = rows.next().map_err(broken)? {
         let id = key.and_then(|key| row.get_ref(key).ok()?.as_i64().ok()).and_then(|id| u64::try_from(id).ok());
@@ -293,7 +310,7 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, bu
         taken += feature.bytes();
         if count % ROWS == 0 {
             let what = format!("the layer {:?} as far as row {count}", layer.table);
-            memory::check(GROWTH * taken as f64, budget, what, "choose a part of it, or close other programs")?;
+            memory::check(GROWTH * taken as f64, request.memory, what, "choose a part of it, or close other programs")?;
         }
         table.push(feature);
     }

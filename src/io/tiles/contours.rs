@@ -55,6 +55,15 @@ pub struct WrittenTiles {
     pub zooms: Vec<ZoomSummary>,
 }
 
+impl WrittenTiles {
+    /// Says that lines have gaps, if they have.
+    pub fn gaps_in_words(&self) -> Option<String> {
+        let gaps: usize = self.zooms.iter().map(|zoom| zoom.gaps).sum();
+        let why = "where they lie closer to another level than the finest grid shows";
+        (gaps > 0).then(|| format!("lines have {gaps} gaps in the tiles, {why}"))
+    }
+}
+
 /// What a zoom shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZoomSummary {

@@ -8,6 +8,8 @@ use flate2::read::GzDecoder;
 use rusqlite::{Connection, OpenFlags};
 
 use crate::maker::MADE_BY;
+use crate::staged::StagedOutput;
+use tokosen_core::base::error::Result;
 
 /// Where the length and the place of the metadata stand in a PMTiles archive (version 3), bytes.
 const METADATA_PLACE: usize = 24;
@@ -54,6 +56,22 @@ impl TileFormat {
     /// What appears for a path: the file, or the folder.
     pub fn target(path: &Path) -> PathBuf {
         Self::folder(path).map_or_else(|| path.to_owned(), |(folder, _)| folder)
+    }
+
+    /// Whether contours can be written to a path of tiles: in a folder, their tiles are `.pbf` or `.mvt`.
+    pub fn takes_contours(path: &Path) -> bool {
+        Self::folder(path).is_none_or(|(_, extension)| ["pbf", "mvt"].contains(&extension))
+    }
+
+    /// Opens the output at a path: a folder for the tiles of a folder, otherwise a file.
+    ///
+    /// # Errors
+    /// As [`StagedOutput::create`].
+    pub fn open(path: &Path) -> Result<StagedOutput> {
+        match Self::folder(path) {
+            Some((folder, _)) => StagedOutput::create_folder(&folder),
+            None => StagedOutput::create(path),
+        }
     }
 }
 

@@ -22,4 +22,6 @@ pub use beside::{TileSet, tile_sets};
 pub use contours::{ContourTiles, WrittenTiles, ZoomSummary, write_contour_tiles};
 pub use format::TileFormat;
 pub(super) use format::{foreign_entry, is_own_folder, is_own_mbtiles, is_own_pmtiles};
-pub use terrain::{TerrainTiles, TerrainZoom, TileImage, WrittenTerrain, pixel_size, write_terrain_tiles};
+pub use terrain::{
+    HIGHEST_ZOOM, TerrainTiles, TerrainZoom, TileImage, WrittenTerrain, pixel_size, write_terrain_tiles,
+};

@@ -8,14 +8,17 @@ use png::{BitDepth, ColorType, Encoder};
 use serde_json::Map;
 
 use super::archive::{About, Archive, Kind, name_of, tile_number};
+use super::format::TileFormat;
 use crate::raster::{ColourCode, PngEncoding};
 use crate::staged::StagedOutput;
-use tokosen_core::base::error::{Error, Result};
+use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 use tokosen_core::base::parallel;
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::raster::Dem;
 use tokosen_core::tiles::{TilePlace, ZoomHeights, check_latitudes, lowest_zoom, tile_size, to_degrees, zoom_heights};
 
+/// The highest zoom of terrain tiles: pixels of 7 cm at the equator.
+pub const HIGHEST_ZOOM: u8 = 20;
 /// Tiles that are made before they are written.
 const BATCH: usize = 256;
 
@@ -27,6 +30,18 @@ pub enum TileImage {
     Png,
     /// WebP without losses.
     Webp,
+}
+
+impl TileImage {
+    /// How the tiles of a path are stored if this is asked for: in a folder, its extension says it. None if no tile has it.
+    pub fn in_path(self, path: &Path) -> Option<Self> {
+        match TileFormat::folder(path).map(|(_, extension)| extension) {
+            None => Some(self),
+            Some("png") => Some(Self::Png),
+            Some("webp") => Some(Self::Webp),
+            Some(_) => None,
+        }
+    }
 }
 
 /// How to write terrain tiles.
@@ -51,6 +66,23 @@ pub struct WrittenTerrain {
     pub zooms: Vec<TerrainZoom>,
     /// Pixels of the highest zoom without a height of the height map, in tiles that have some.
     pub filled: usize,
+}
+
+/// Tiles of which more than this share lies beyond the height map are a finding.
+const BEYOND: f64 = 0.9;
+
+impl WrittenTerrain {
+    /// The finding about tiles that lie nearly all beyond the height map.
+    pub fn beyond_map(&self, tiles: &TerrainTiles) -> Option<Finding> {
+        let count = self.zooms.last().filter(|zoom| zoom.zoom == tiles.zoom)?.tiles;
+        let share = self.filled as f64 / (count * tiles.side * tiles.side) as f64;
+        let message = format!(
+            "{:.0} % of the pixels of zoom {} lie beyond the map, which is small beside a tile; choose a higher --max-zoom",
+            100.0 * share,
+            tiles.zoom
+        );
+        (share > BEYOND).then(|| Finding::general(FindingKind::TilesBeyondMap, message))
+    }
 }
 
 /// The tiles of a zoom.

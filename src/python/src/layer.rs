@@ -20,11 +20,16 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use pyo3_arrow::ffi::{ArrayIterator, to_stream_pycapsule};
+use tokosen::base::ElevationUnit;
+use tokosen::contour::{ContourLayer, ContourLine, Source};
 use tokosen::crs::{Crs, FromWorking};
 use tokosen::io::layer::{self, Cell, Column, Geometry, Kind, Outer, Row, Shape};
+use tokosen::io::tiles::TileFormat;
 use tokosen::io::{StagedOutput, check_paths, with_layers_back, write_layers};
 
-use crate::error::exception;
+use crate::terrain::Warned;
+use crate::tiles::{Shown, Tiling, contour_tiles};
+use crate::work::work;
 
 /// The name of the column of geometries.
 const GEOMETRY: &str = "geometry";
@@ -38,6 +43,8 @@ pub struct Layer {
     /// The geometries, then the attributes.
     pub(crate) batch: RecordBatch,
     pub(crate) crs: Option<Crs>,
+    /// What map tiles show of them, if they are contours.
+    pub(crate) shown: Option<Shown>,
 }
 
 /// The coordinate reference system as other programs read it: its code if that is known, else its text.
@@ -66,7 +73,7 @@ impl Layer {
         let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays);
         let batch = batch.map_err(|e| tokosen::Error::Data(format!("the table of {}: {e}", layer.name)))?;
         let (name, crs) = (layer.name.to_owned(), crs.cloned());
-        Ok(Self { name, geometry: layer.geometry, columns: layer.columns, batch, crs })
+        Ok(Self { name, geometry: layer.geometry, columns: layer.columns, batch, crs, shown: None })
     }
 
     /// The coordinates of all vertices: x, y of points and areas, x, y, z of lines.
@@ -100,6 +107,24 @@ impl Layer {
             Geometry::Lines => "LineString",
             Geometry::Areas => "Polygon",
         }
+    }
+
+    /// The lines as contours, whose heights are in this unit here.
+    fn contours(&self, unit: ElevationUnit) -> Option<ContourLayer> {
+        let column = |name: &str| Some(self.batch.column(1 + self.columns.iter().position(|c| c.name == name)?));
+        let (elevations, index) = (column("elev")?.as_primitive::<Float64Type>(), column("is_index")?.as_boolean());
+        let (numbers, lines) = (self.vertices().values(), *self.offset_lists().first()?);
+        let line = |(k, w): (usize, &[i32])| ContourLine {
+            elevation: unit.metres(elevations.value(k)),
+            points: numbers[3 * w[0] as usize..3 * w[1] as usize].chunks_exact(3).map(DVec2::from_slice).collect(),
+            source: Source::Interpolated,
+            index: index.value(k),
+            kind: None,
+            depression: false,
+            expected: None,
+        };
+        let lines = lines.offsets().windows(2).enumerate().map(line).collect();
+        Some(ContourLayer { name: self.name.clone(), lines, ..ContourLayer::default() })
     }
 
     /// The features in the form that is written.
@@ -237,9 +262,19 @@ impl Layer {
         Ok(to_stream_pycapsule(py, Box::new(reader), requested_schema)?)
     }
 
-    /// Writes the layer.
-    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        py.detach(|| write(&[self], &path, overwrite)).map_err(|error| exception(py, &error))
+    /// Writes the layer; contours also as map tiles. Gives what to warn of.
+    fn write(&self, py: Python<'_>, path: PathBuf, tiling: Tiling) -> PyResult<Vec<Warned>> {
+        work(py, None, |progress| {
+            if TileFormat::of(&path).is_none() {
+                tiling.check_no_tiles(&path)?;
+                return write(&[self], &path, tiling.overwrite).map(|()| Vec::new());
+            }
+            let what = || tokosen::Error::Parameter(format!("{}: contours alone are map tiles", path.display()));
+            let (shown, layer) =
+                self.shown.and_then(|shown| Some((shown, self.contours(shown.unit)?))).ok_or_else(what)?;
+            let warned = contour_tiles(&layer, self.crs.as_ref(), shown, &path, &tiling, progress)?;
+            Ok(warned.into_iter().collect())
+        })
     }
 }
 

@@ -5,10 +5,13 @@ use arrow_array::types::{Float64Type, Int64Type};
 use glam::{DVec2, DVec3};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
+use tokosen::contour::Interval;
 use tokosen::io::layer::{self, Cell, Column, Geometry, Kind, Row, Shape};
 
 use crate::error::{exception, parameter};
 use crate::layer::{Layer, crs_text};
+use crate::tiles::Shown;
+use crate::unit::{unit as unit_of, unit_name};
 
 /// The values of a column; none where they are missing.
 #[derive(FromPyObject, IntoPyObject)]
@@ -19,12 +22,16 @@ pub enum Values {
     Texts(Vec<Option<String>>),
 }
 
-/// A layer in parts: name, type of geometry, CRS; names, kinds and values of the columns; coordinates; offsets.
+/// What map tiles show: step and base of the interval, every so many levels an index contour, the unit.
+type ShownState = (Option<(f64, f64)>, u32, String);
+
+/// A layer in parts: name, type of geometry, CRS; names, kinds and values of the columns; coordinates; offsets; what map tiles show.
 type State<'py> = (
     (String, String, Option<String>),
     Vec<(String, String, Values)>,
     Bound<'py, PyArray1<f64>>,
     Vec<Bound<'py, PyArray1<i32>>>,
+    Option<ShownState>,
 );
 
 fn name_of(kind: Kind) -> String {
@@ -72,13 +79,16 @@ pub fn layer_state<'py>(py: Python<'py>, layer: &Layer) -> State<'py> {
     let head = (layer.name.clone(), layer.geometry_name().to_owned(), crs);
     let coords = PyArray1::from_slice(py, layer.vertices().values());
     let offsets = layer.offset_lists().into_iter().map(|list| PyArray1::from_slice(py, list.offsets())).collect();
-    (head, layer.columns.iter().enumerate().map(column).collect(), coords, offsets)
+    let shown = layer.shown.map(|Shown { interval, index, unit }| {
+        (interval.map(|interval| (interval.step, interval.base)), index, unit_name(unit).to_owned())
+    });
+    (head, layer.columns.iter().enumerate().map(column).collect(), coords, offsets, shown)
 }
 
 /// A layer from what [`layer_state`] gave.
 #[pyfunction]
 pub fn restored_layer(py: Python<'_>, state: State<'_>) -> PyResult<Layer> {
-    let (head, given, coords, offsets) = state;
+    let (head, given, coords, offsets, shown) = state;
     let ((name, geometry, crs), broken) = (head, || parameter(py, "the parts of the layer do not fit each other"));
     let geometry = match geometry.as_str() {
         "Point" => Geometry::Points,
@@ -134,5 +144,10 @@ pub fn restored_layer(py: Python<'_>, state: State<'_>) -> PyResult<Layer> {
     let rows = rows.ok_or_else(broken)?;
     let crs = crate::source::crs(py, crs.as_deref())?;
     let layer = layer::Layer { name: &name, geometry, columns, rows };
-    Layer::new(&layer, crs.as_ref()).map_err(|error| exception(py, &error))
+    let made = Layer::new(&layer, crs.as_ref()).map_err(|error| exception(py, &error))?;
+    let shown = shown.map(|(interval, index, unit)| -> PyResult<Shown> {
+        let interval = interval.map(|(step, base)| Interval { step, base });
+        Ok(Shown { interval, index, unit: unit_of(py, &unit)? })
+    });
+    Ok(Layer { shown: shown.transpose()?, ..made })
 }

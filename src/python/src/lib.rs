@@ -11,6 +11,7 @@
 //! | `terrain.rs`, `verbs.rs`, `flow.rs`, `comparison.rs` | the work |
 //! | `layer.rs`, `raster.rs`, `model.rs`, `derived.rs` | results |
 //! | `layer_state.rs` | layers for pickle |
+//! | `tiles.rs` | map tiles |
 //! | `work.rs`, `error.rs` | threads, progress, Ctrl-C; exceptions |
 
 mod arrow_input;
@@ -26,6 +27,7 @@ mod options;
 mod raster;
 mod source;
 mod terrain;
+mod tiles;
 mod unit;
 mod verbs;
 mod work;
@@ -61,5 +63,6 @@ fn _tokosen(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(verbs::bands, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::derive, module)?)?;
     module.add_function(wrap_pyfunction!(comparison::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(tiles::viewer, module)?)?;
     Ok(())
 }

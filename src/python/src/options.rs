@@ -11,8 +11,10 @@ use tokosen::contour::Interval;
 use tokosen::contour::Target;
 use tokosen::crs::{Crs, FromWorking};
 use tokosen::drain::Drain;
+use tokosen::io::tiles::{HIGHEST_ZOOM, pixel_size};
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
+use tokosen::tiles::WEB_MERCATOR;
 use tokosen::{GridSpec, Options};
 
 use crate::error::{exception, parameter};
@@ -91,15 +93,27 @@ pub struct Cells {
     pub cell_degrees: Option<f64>,
     pub like: Option<HeightMap>,
     pub to_crs: Option<String>,
+    pub max_zoom: Option<u8>,
+    pub tile_size: usize,
 }
 
 impl Cells {
     /// The library's cells, if any are asked for.
     pub fn spec(&self, py: Python<'_>) -> PyResult<Option<GridSpec>> {
         let to_crs = crs(py, self.to_crs.as_deref())?;
-        let given = [self.cell.is_some(), self.cell_degrees.is_some(), self.like.is_some()];
+        let given = [self.cell.is_some(), self.cell_degrees.is_some(), self.like.is_some(), self.max_zoom.is_some()];
         if given.iter().filter(|is_given| **is_given).count() > 1 {
-            return Err(parameter(py, "give one of cell, cell_degrees and like"));
+            return Err(parameter(py, "give one of cell, cell_degrees, like and max_zoom"));
+        }
+        if let Some(zoom) = self.max_zoom {
+            if zoom > HIGHEST_ZOOM {
+                return Err(parameter(py, format!("max_zoom is {zoom}; it must be 0 to {HIGHEST_ZOOM}")));
+            }
+            if to_crs.is_some_and(|crs| crs.epsg != Some(WEB_MERCATOR)) {
+                return Err(parameter(py, "with max_zoom, the height map is in Web Mercator (EPSG:3857)"));
+            }
+            let size = pixel_size(zoom, tile_side(py, self.tile_size)?);
+            return Ok(Some(GridSpec::CellIn { size, crs: Crs::from_epsg(WEB_MERCATOR) }));
         }
         let name = || self.to_crs.as_deref().unwrap_or_default();
         let spec = match (self.cell, self.cell_degrees, &self.like, to_crs) {
@@ -126,7 +140,7 @@ impl Cells {
 
     /// The cells, which must be given.
     pub fn needed(&self, py: Python<'_>) -> PyResult<GridSpec> {
-        self.spec(py)?.ok_or_else(|| parameter(py, "a height map needs cell, cell_degrees or like"))
+        self.spec(py)?.ok_or_else(|| parameter(py, "a height map needs cell, cell_degrees, like or max_zoom"))
     }
 }
 
@@ -274,6 +288,14 @@ pub fn settled(plan: Option<MapPlan>, base: f64, slope: impl FnOnce() -> f64) ->
         params.kinds.interval.base = base;
     }
     Some(params)
+}
+
+/// The pixels of a terrain tile's side, if there are as many.
+pub fn tile_side(py: Python<'_>, side: usize) -> PyResult<usize> {
+    match side {
+        256 | 512 => Ok(side),
+        other => Err(parameter(py, format!("tile_size is {other}; it must be 256 or 512"))),
+    }
 }
 
 /// The exception for a word that is none of those known.

@@ -14,14 +14,29 @@ use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
     read_shift_grid, write_raster, write_shade, write_with_errors,
 };
+use tokosen::io::tiles::{TileFormat, TileImage};
 use tokosen::io::{StagedOutput, check_paths};
 use tokosen::raster::{Dem, ShiftWay};
 
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
+use crate::options::{one_of, tile_side};
 use crate::source::crs;
+use crate::terrain::Warned;
+use crate::tiles::{Tiling, terrain_tiles};
 use crate::unit::unit;
 use crate::work::work;
+
+/// How a raster is written.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Format {
+    to_unit: String,
+    cog: bool,
+    png_encoding: Option<String>,
+    tile_size: usize,
+    tile_image: String,
+}
 
 /// Values on a grid.
 #[pyclass(frozen, module = "tokosen._tokosen")]
@@ -199,25 +214,34 @@ impl Raster {
         work(py, None, |_| picture_bytes(&Scene::of_height_map(&dem, &[], Units::METRES).image()?))
     }
 
-    /// Writes the raster.
-    fn write(
-        &self,
-        py: Python<'_>,
-        path: PathBuf,
-        to_unit: &str,
-        cog: bool,
-        png_encoding: &str,
-        overwrite: bool,
-    ) -> PyResult<()> {
-        let png = match png_encoding {
-            "gray16" => PngEncoding::Gray16,
-            "gsi" => PngEncoding::Gsi,
-            "terrarium" => PngEncoding::Terrarium,
-            "mapbox" => PngEncoding::Mapbox,
-            other => return Err(parameter(py, format!("png_encoding is {other:?}: gray16, gsi, terrarium or mapbox"))),
+    /// Writes the raster. Gives what to warn of.
+    fn write(&self, py: Python<'_>, path: PathBuf, format: Format, tiling: Tiling) -> PyResult<Option<Warned>> {
+        let is_tiles = TileFormat::of(&path).is_some();
+        let png = match format.png_encoding.as_deref() {
+            None if is_tiles => PngEncoding::Terrarium,
+            None | Some("gray16") => PngEncoding::Gray16,
+            Some("gsi") => PngEncoding::Gsi,
+            Some("terrarium") => PngEncoding::Terrarium,
+            Some("mapbox") => PngEncoding::Mapbox,
+            Some(other) => return Err(one_of(py, "png_encoding", other, "gray16, gsi, terrarium or mapbox")),
         };
-        let tiff = if cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain };
-        let params = RasterParams { quantity: self.quantity, png, tiff, unit: unit(py, to_unit)? };
+        let heights_in = unit(py, &format.to_unit)?;
+        if is_tiles {
+            let image = match format.tile_image.as_str() {
+                "png" => TileImage::Png,
+                "webp" => TileImage::Webp,
+                other => return Err(one_of(py, "tile_image", other, "png or webp")),
+            };
+            if self.quantity != Quantity::Height || heights_in.is_foot() {
+                return Err(parameter(py, "terrain tiles hold heights in metres only"));
+            }
+            let (dem, layout) = (self.dem(py)?, (tile_side(py, format.tile_size)?, image));
+            return work(py, None, |progress| terrain_tiles(&dem, &path, layout, png, tiling, progress));
+        }
+        tiling.check_no_tiles(&path).map_err(|error| exception(py, &error))?;
+        let overwrite = tiling.overwrite;
+        let tiff = if format.cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain };
+        let params = RasterParams { quantity: self.quantity, png, tiff, unit: heights_in };
         let dem = self.dem(py)?;
         let errors = self.error.as_ref().map(|error| copied(py, error)).transpose()?;
         let known = if errors.is_some() { TWO_BAND_EXTENSIONS.as_slice() } else { DEM_EXTENSIONS.as_slice() };
@@ -227,7 +251,8 @@ impl Raster {
             let what = if errors.is_some() { "height maps with standard errors" } else { "height maps" };
             return Err(parameter(py, format!("{}: {what} are written as {}", path.display(), known.join(", "))));
         }
-        py.detach(|| write(&path, &dem, errors.as_deref(), &params, overwrite)).map_err(|error| exception(py, &error))
+        let written = py.detach(|| write(&path, &dem, errors.as_deref(), &params, overwrite));
+        written.map(|()| None).map_err(|error| exception(py, &error))
     }
 }
 

@@ -4,11 +4,10 @@ use glam::DVec2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tokosen::bands::bands_of_surface;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Finding, Severity};
 use tokosen::base::progress::Progress;
 use tokosen::cartography::{for_map, slope_between};
-use tokosen::contour::{ContourLayer, distinct_levels};
+use tokosen::contour::{ContourLayer, Target, distinct_levels};
 use tokosen::crs::FromWorking;
 use tokosen::dem::profile::stations;
 use tokosen::draw::Scene;
@@ -31,6 +30,7 @@ use crate::model::Model;
 use crate::options::{Cells, Given, Levels, settled};
 use crate::raster::Raster;
 use crate::source::Source;
+use crate::tiles::Shown;
 use crate::unit::unit;
 use crate::work::work;
 
@@ -150,14 +150,15 @@ impl Terrain {
         let plan = levels.map_plan(py)?;
         let map = settled(plan, levels.base_level, || slope_between(&self.terrain.surface.map));
         let targets = map.map_or(targets, |map| vec![map.kinds.levels()]);
-        let params = LayerParams { targets, unit, index_every: levels.index, simplify, keep_input, memory: None };
+        let index_every = levels.index;
+        let params = LayerParams { targets: targets.clone(), unit, index_every, simplify, keep_input, memory: None };
         work(py, progress, |progress| {
             let mut layers = self.terrain.contours_with(params, progress)?;
             if let (Some(map), Some(layer)) = (map, layers.first_mut()) {
                 let of_input = self.terrain.of_input(map.kinds.interval, unit, keep_input);
                 for_map(layer, &map, of_input, &self.terrain.map_ground());
             }
-            with_labels(&layers, levels.labels, self.terrain.surface.frame.extent(), unit, &back)
+            with_labels(&layers, &targets, &levels, self.terrain.surface.frame.extent(), &back)
         })
     }
 
@@ -338,20 +339,25 @@ impl Terrain {
     }
 }
 
-/// Layers of contours, each followed by that of its labels if there are any. `labels` is the height of their text, map units;
-/// 0 for the usual one.
+/// Layers of contours at `targets`, each followed by that of its labels if there are any.
 pub fn with_labels(
     layers: &[ContourLayer],
-    labels: Option<f64>,
+    targets: &[Target],
+    levels: &Levels,
     extent: (DVec2, DVec2),
-    unit: ElevationUnit,
     back: &FromWorking,
 ) -> tokosen::Result<Vec<Layer>> {
-    let height = labels.map(|height| (height != 0.0).then_some(height));
+    let unit = back.unit();
+    let height = levels.labels.map(|height| (height != 0.0).then_some(height));
     let mut placed = height.map(|height| label_layers(layers, height, extent, unit)).transpose()?.map(Vec::into_iter);
     let mut all = Vec::new();
-    for layer in layers {
-        all.extend(Layer::all(&[of_contours(layer)], back)?);
+    for (layer, target) in layers.iter().zip(targets) {
+        let interval = match *target {
+            Target::Interval { step, base } => Some(Interval { step, base }),
+            Target::Levels(_) => None,
+        };
+        let shown = Some(Shown { interval, index: levels.index, unit });
+        all.extend(Layer::all(&[of_contours(layer)], back)?.into_iter().map(|made| Layer { shown, ..made }));
         if let Some(labels) = placed.as_mut().and_then(Iterator::next) {
             let name = labels_layer(&layer.name, layers.len() == 1);
             all.extend(Layer::all(&[of_labels(&name, &labels, back)], back)?);

@@ -194,7 +194,8 @@ pub fn contour(
         }
         let raised = tolerance.and_then(|asked| found.raised_from(asked));
         let warned = raised.map(|why| (Severity::Warning.name(), "tolerance-raised", format!("tolerance {why}")));
-        Ok((with_labels(&found.layers, levels.labels, (low, high), unit, &back)?, warned.into_iter().collect()))
+        let layers = with_labels(&found.layers, &params.targets, &levels, (low, high), &back)?;
+        Ok((layers, warned.into_iter().collect()))
     })
 }
 

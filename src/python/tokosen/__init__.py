@@ -22,6 +22,7 @@ from tokosen._errors import Error, FileError, FindingWarning, InputError, OutOfM
 from tokosen._example import example
 from tokosen._layers import Layer
 from tokosen._terrain import Accuracy, Mesh, Terrain
+from tokosen._tiles import viewer
 from tokosen._tokosen import __version__
 from tokosen._verbs import Check, Comparison, bands, check, compare, contour, dem, densify, derive, mesh, regions, skeleton
 
@@ -53,6 +54,7 @@ __all__ = [
     "mesh",
     "regions",
     "skeleton",
+    "viewer",
 ]
 
 # So messages of uncaught exceptions have the names that users catch.

@@ -11,6 +11,8 @@ from tokosen import _tokosen
 from tokosen._crs import crs_object, crs_text
 from tokosen._errors import ParameterError
 from tokosen._html import page
+from tokosen._tiles import tiling
+from tokosen._work import warn_of
 
 
 class Transform(NamedTuple):
@@ -207,7 +209,10 @@ class Dem:
         *,
         to_unit: str = "m",
         cog: bool = False,
-        png_encoding: str = "gray16",
+        png_encoding: str | None = None,
+        tile_size: int = 512,
+        tile_image: str = "png",
+        attribution: str | None = None,
         overwrite: bool = False,
     ) -> None:
         """Writes the raster: .tif, .exr, .png, .asc or .xyz, as the program does. Standard errors become a second band.
@@ -215,9 +220,22 @@ class Dem:
         `to_unit` is the unit of heights: "m", "ft" or "us-ft". `cog` writes a Cloud Optimized GeoTIFF. `png_encoding` is
         "gray16", "gsi", "terrarium" or "mapbox". Files that other programs made are replaced with `overwrite` only.
 
+        A height map that was made with `max_zoom` is also written as terrain tiles: .pmtiles, .mbtiles or
+        "FOLDER/{z}/{x}/{y}.png". `png_encoding` is then "terrarium" if it is not given, `tile_size` 512 or 256 pixels, and
+        `tile_image` "png" or "webp". `attribution` is the source of the data, which maps show.
+
         >>> tokosen.dem(tokosen.example(), cell=10).to_file(folder / "dem.tif", cog=True)
+        >>> tokosen.dem(tokosen.example(), max_zoom=16).to_file(folder / "terrain.pmtiles", tile_image="webp")
         """
-        self._raster.write(os.fspath(path), to_unit, cog, png_encoding, overwrite)
+        asked = {
+            "to_unit": to_unit,
+            "cog": cog,
+            "png_encoding": png_encoding,
+            "tile_size": tile_size,
+            "tile_image": tile_image,
+        }
+        warned = self._raster.write(os.fspath(path), asked, tiling(None, attribution, overwrite))
+        warn_of([warned] if warned else [], stacklevel=3)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
         """The values, for functions of numpy."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
 
 from tokosen import _tokosen
 from tokosen._crs import crs_object
+from tokosen._tiles import tiling
+from tokosen._work import warn_of
 
 Output = Literal["geopandas", "layer"] | None
 """The form of a result: a GeoDataFrame, a Layer, or None for a GeoDataFrame if the contours were one."""
@@ -110,14 +112,27 @@ class Layer:
         columns = {name: self[name] for name in self.columns}
         return geopandas.GeoDataFrame(columns, geometry=list(geometry), crs=self._layer.crs)
 
-    def to_file(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
+    def to_file(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        zooms: Mapping[int, float] | None = None,
+        attribution: str | None = None,
+        overwrite: bool = False,
+    ) -> None:
         """Writes the layer: .gpkg, .geojson, .fgb, .parquet, .shp or .dxf, as the program does.
 
         A GeoPackage that exists keeps its other layers. Other files are replaced if tokosen made them; `overwrite` replaces all.
 
-        >>> tokosen.densify(tokosen.example(), 5).to_file(folder / "lines.gpkg")
+        Contours are also written as map tiles: .pmtiles, .mbtiles or "FOLDER/{z}/{x}/{y}.pbf". `zooms` are the intervals by zoom,
+        each until the next, and the last one is the highest zoom; without it, the program's default. `attribution` is the source
+        of the data, which maps show.
+
+        >>> lines = tokosen.densify(tokosen.example(), 5)
+        >>> lines.to_file(folder / "lines.gpkg")
+        >>> lines.to_file(folder / "lines.pmtiles", zooms={12: 10, 14: 5})
         """
-        self._layer.write(os.fspath(path), overwrite)
+        warn_of(self._layer.write(os.fspath(path), tiling(zooms, attribution, overwrite)), stacklevel=3)
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
         """The layer as a stream of Arrow, without a copy."""

@@ -254,13 +254,22 @@ def height_map(what: str, given: Any) -> Any:
     return raster(what, given)
 
 
-def cells(cell: float | None, cell_degrees: float | None, like: Any, to_crs: Any) -> dict[str, Any]:
+def cells(
+    cell: float | None,
+    cell_degrees: float | None,
+    like: Any,
+    to_crs: Any,
+    max_zoom: int | None = None,
+    tile_size: int = 512,
+) -> dict[str, Any]:
     """The cells of a height map as the extension module takes them."""
     return {
         "cell": cell,
         "cell_degrees": cell_degrees,
         "like": height_map("like", like),
         "to_crs": crs_text(to_crs),
+        "max_zoom": max_zoom,
+        "tile_size": tile_size,
     }
 
 

@@ -250,19 +250,21 @@ class Terrain:
         cell_degrees: float | None = None,
         like: Any = None,
         to_crs: Any = None,
+        max_zoom: int | None = None,
+        tile_size: int = 512,
         progress: Progress = None,
     ) -> Dem:
         """The height map at the centres of cells, metres; with standard errors if the terrain was built with `uncertainty`.
 
         `cell` is the size of cells in units of the working CRS or of `to_crs`, or of contours without a CRS that are in feet;
         `cell_degrees` is in degrees. `like` is a raster whose cells are taken: a path, a Dem, a DataArray, or (values, transform,
-        crs).
+        crs). With `max_zoom`, the cells are the pixels of terrain tiles of this zoom, which have `tile_size` of them (256 or 512).
 
         >>> tokosen.Terrain(tokosen.example(), uncertainty=True).dem(cell=10).error.shape
         (58, 55)
         """
         with reporting(progress) as report:
-            return Dem(self._terrain.dem(cells(cell, cell_degrees, like, to_crs), report))
+            return Dem(self._terrain.dem(cells(cell, cell_degrees, like, to_crs, max_zoom, tile_size), report))
 
     def sample(self, points: Any) -> tuple[np.ndarray[Any, np.dtype[np.float64]], np.ndarray[Any, np.dtype[np.float64]]]:
         """Heights at places and their standard errors, metres. NaN where there is no ground, and for errors if the terrain was

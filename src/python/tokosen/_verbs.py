@@ -87,16 +87,18 @@ def dem(
     cell_degrees: float | None = None,
     like: Any = None,
     to_crs: Any = None,
+    max_zoom: int | None = None,
+    tile_size: int = 512,
     uncertainty: bool = False,
     progress: Progress = None,
     **given: Unpack[SurfaceOptions],
 ) -> Dem:
-    """A height map, as the command `tokosen dem`. See `Terrain` for the contours and the other arguments.
+    """A height map, as the command `tokosen dem`. See `Terrain.dem` for the cells, `Terrain` for the contours and the other arguments.
 
     >>> tokosen.dem(tokosen.example(), cell=5, uncertainty=True)
     <Dem height, 110 x 114 cells of 5 x 5, 75 % with data, with standard errors>
     """
-    grid = cells(cell, cell_degrees, like, to_crs)
+    grid = cells(cell, cell_degrees, like, to_crs, max_zoom, tile_size)
     terrain = terrain_for_dem(contours, grid, uncertainty, "m", progress, given)
     with reporting(progress) as report:
         return Dem(terrain._terrain.dem(grid, report))

@@ -113,6 +113,22 @@ class Tools(Case):
         options = ["--cell", "90", "--to-crs", "EPSG:3857", "--base", HEIGHTS, "--frame", "bbox", "--drain", "none"]
         self.assertSameOutput(made, "dem", CONTOURS, *options, "-o")
 
+    def test_map_tiles(self):
+        lines, terrain, page = (self.folder / name for name in ("lines.pmtiles", "terrain.mbtiles", "index.html"))
+        zooms = {"INTERVAL": 10, "ZOOMS": "11:50,13:10", "ATTRIBUTION": "A & B"}
+        results = self.results("densify", INPUT=CONTOURS, **zooms, OUTPUT=lines, VIEWER=page)
+        self.assertEqual(results, {"OUTPUT": str(lines), "VIEWER": str(page)})
+        self.assertIn("lines.pmtiles", page.read_text())
+        expected = self.folder / "other" / "lines.pmtiles"
+        expected.parent.mkdir()
+        command("densify", CONTOURS, "-i", "10", "--zooms", "11:50,13:10", "--attribution", "A & B", "-o", expected)
+        self.assertEqual(lines.read_bytes(), expected.read_bytes())
+        self.results("dem", INPUT=CONTOURS, MAX_ZOOM=12, TILE_SIZE=1, TILE_IMAGE=1, PNG_ENCODING=2, OUTPUT=terrain)
+        expected = self.folder / "other" / "terrain.mbtiles"
+        options = ["--max-zoom", "12", "--tile-size", "256", "--tile-image", "webp", "--png-encoding", "mapbox"]
+        command("dem", CONTOURS, *options, "-o", expected)
+        self.assertEqual(terrain.read_bytes(), expected.read_bytes())
+
     def test_check(self):
         faulty = self.folder / "faulty.geojson"
         map_ = json.loads(NESTED.read_text())

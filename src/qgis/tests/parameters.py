@@ -12,11 +12,11 @@ from tokosen.verbs import VERBS  # noqa: E402
 # Options that are no parameters. The plugin sets some of them itself; the guide names the others.
 LEFT_OUT = {
     "crs", "layer", "extent-crs", "help", "quiet", "verbose", "overwrite", "progress", "json", "threads", "save-run",
-    "png-encoding", "zooms", "max-zoom", "tile-size", "tile-image", "viewer", "attribution", "paper", "scale", "title", "source",
+    "paper", "scale", "title", "source",
     "font", "for", "size", "stac",
 }
 LEFT_OUT_OF = {
-    "densify": {"dem", "cell", "cell-degrees", "like", "cog", "compare", "report"},
+    "densify": {"dem", "cell", "cell-degrees", "like", "cog", "compare", "report", "png-encoding", "max-zoom", "tile-size", "tile-image"},
     "check": {"strict"},
     "skeleton": {"triangles", "curve-mesh"},
 }

@@ -57,6 +57,12 @@ class Running(Case):
         loaded = {source.split("=")[1] for source in self.context.layersToLoadOnCompletion()}
         self.assertEqual(loaded, with_features | {"conflicts"})
 
+    def test_map_tiles_are_not_loaded(self):
+        wanted = QgsProcessingOutputLayerDefinition(str(self.folder / "lines.pmtiles"), QgsProject.instance())
+        results = self.run_tool("densify", INPUT=NESTED, INTERVAL=5, OUTPUT=wanted)
+        self.assertTrue(results["OUTPUT"].endswith("lines.pmtiles") and pathlib.Path(results["OUTPUT"]).is_file())
+        self.assertEqual(self.context.layersToLoadOnCompletion(), {})
+
     def test_in_the_background(self):
         """As QGIS runs tools from its toolbox: the work is done in another thread."""
         memory = QgsVectorLayer(str(NESTED), "nested").materialize(QgsFeatureRequest())

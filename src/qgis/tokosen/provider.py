@@ -6,12 +6,13 @@ from qgis.core import QgsProcessingProvider
 from qgis.PyQt.QtGui import QIcon
 
 from . import program
+from .verb import TILES
 from .verbs import VERBS
 
 ICON = str(pathlib.Path(__file__).parent / "icon.svg")
 # What the program writes. It says so itself where a tool writes fewer formats.
-VECTOR_EXTENSIONS = ["gpkg", "geojson", "fgb", "shp", "dxf"]
-RASTER_EXTENSIONS = ["tif", "asc", "png", "exr"]
+VECTOR_EXTENSIONS = ["gpkg", "geojson", "fgb", "shp", "dxf", *TILES]
+RASTER_EXTENSIONS = ["tif", "asc", "png", "exr", *TILES]
 
 
 class Provider(QgsProcessingProvider):

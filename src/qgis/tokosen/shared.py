@@ -242,6 +242,51 @@ UNCERTAINTY = yes(
     "err_v, err_h and inferred.",
 )
 
+ATTRIBUTION = text(
+    "--attribution", "Source of the data, for map tiles", advanced=True, help="Map tiles (.pmtiles, .mbtiles) state it, and maps show it."
+)
+VIEWER = file_output(
+    "--viewer",
+    "Page that shows map tiles",
+    PAGE,
+    advanced=True,
+    help="A page in the folder of the tiles (.pmtiles). It shows them in a browser, from any web server that answers range requests.",
+)
+ZOOMS = text(
+    "--zooms",
+    "Intervals of map tiles by zoom",
+    advanced=True,
+    help="For contours as map tiles (.pmtiles, .mbtiles): 10:100,12:20,14:5 shows 100 m from zoom 10, and 5 m at zoom 14, the highest. "
+    "If it is empty, each zoom has an interval whose lines are two pixels apart on steep slopes.",
+)
+TERRAIN_TILES = [
+    number(
+        "--max-zoom",
+        "Highest zoom of terrain tiles",
+        whole=True,
+        advanced=True,
+        help="For a height map as terrain tiles (.pmtiles, .mbtiles). Their pixels are then the cells.",
+    ),
+    choice("--tile-size", "Pixels of a terrain tile's side", [("512", "512"), ("256", "256")], advanced=True),
+    choice(
+        "--tile-image",
+        "How terrain tiles are stored",
+        [("png", "PNG"), ("webp", "WebP without losses, which is smaller")],
+        advanced=True,
+    ),
+    choice(
+        "--png-encoding",
+        "Encoding of heights as colours",
+        [
+            ("", "16-bit grey in a PNG, Terrarium in terrain tiles"),
+            ("terrarium", "Terrarium: steps of 1/256 m"),
+            ("mapbox", "Mapbox: steps of 0.1 m"),
+            ("gsi", "GSI: steps of 0.01 m"),
+        ],
+        advanced=True,
+    ),
+]
+
 INDEX = number(
     "--index", "Every Nth level is an index contour", default=5, whole=True, advanced=True, help="0 for no index contours."
 )

@@ -19,6 +19,8 @@ CONTOURS = "Contours"
 HEIGHT_MAPS = "Height maps"
 CHECKS = "Checks"
 STRUCTURE = "Terrain structure"
+# Map tiles, which are for web maps: QGIS does not load them as results.
+TILES = ["pmtiles", "mbtiles"]
 
 
 class Verb(QgsProcessingAlgorithm):
@@ -125,9 +127,8 @@ class Verb(QgsProcessingAlgorithm):
 
     def cancelled(self, outputs, context):
         """Nothing was written, so nothing is loaded."""
-        waiting = context.layersToLoadOnCompletion()
-        kept = {path: details for path, details in waiting.items() if path not in outputs.values()}
-        context.setLayersToLoadOnCompletion(kept)
+        for path in outputs.values():
+            leave(path, context)
         return {}
 
     def results(self, outputs, summary, context):
@@ -135,12 +136,20 @@ class Verb(QgsProcessingAlgorithm):
         values = {}
         for output, path in outputs.items():
             value = path
-            if output.is_layer:
+            if path.lower().endswith(tuple(TILES)):
+                leave(path, context)
+            elif output.is_layer:
                 if path.lower().endswith(".gpkg"):
                     value = f"{path}|layername={output.layer or layer_in(summary)}"
                 dress(output, path, value, self.id(), context)
             values[output.name] = value
         return values
+
+
+def leave(path, context):
+    """Does not load a file."""
+    waiting = context.layersToLoadOnCompletion()
+    context.setLayersToLoadOnCompletion({kept: details for kept, details in waiting.items() if kept != path})
 
 
 def argument(flag, value):

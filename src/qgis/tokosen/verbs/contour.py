@@ -59,4 +59,7 @@ index contour (is_index), a depression contour (depression) and closed (closed).
         vector_output("--output", "Contours", LINES, style="contours"),
         shared.BANDS,
         shared.PREVIEW,
+        shared.ZOOMS,
+        shared.ATTRIBUTION,
+        shared.VIEWER,
     ]

@@ -25,7 +25,7 @@ system in metres, or in the one that you choose.
             "--cell",
             "Cell size",
             proposed=10,
-            unless=["LIKE", "CELL_DEGREES"],
+            unless=["LIKE", "CELL_DEGREES", "MAX_ZOOM"],
             help="In metres. If you choose the coordinate reference system of the result, the number is in its units. For contours "
             "without a coordinate reference system that are in feet, it is in feet.",
         ),
@@ -44,5 +44,8 @@ system in metres, or in the one that you choose.
         shared.COG,
         raster_output("--output", "Height map", style="hillshade"),
         shared.PREVIEW,
+        *shared.TERRAIN_TILES,
+        shared.ATTRIBUTION,
+        shared.VIEWER,
         shared.DIAGNOSTICS,
     ]

@@ -44,5 +44,8 @@ the input, only the lines at its levels are written.
         vector_output("--output", "Contours", LINES, style="contours"),
         shared.BANDS,
         shared.PREVIEW,
+        shared.ZOOMS,
+        shared.ATTRIBUTION,
+        shared.VIEWER,
         shared.DIAGNOSTICS,
     ]
