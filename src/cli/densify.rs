@@ -15,7 +15,7 @@ use tokosen::io::tiles::TileFormat;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, write_layers_back};
 use tokosen::layers::{LayerParams, are_given};
 use tokosen::surface::{SurfaceKind, Triangles, working_pits};
-use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
+use tokosen::terrain::{HtmlParams, MeasureOptions, Pair, Side, measure};
 use tokosen::{Input, Options, Terrain};
 
 use super::compare::{draw, open_page, summarise};
@@ -33,6 +33,7 @@ use super::part::PartArgs;
 use super::picture::{Asked, Drawing, PictureArgs, scale_of_lines};
 use super::summary;
 use super::surface::{ABOUT_PITS, KindArg, SurfaceArgs};
+use super::terrain_page;
 use super::terrain_tiles::ABOUT_TILES;
 use super::tiles;
 use super::unit::in_units;
@@ -81,6 +82,9 @@ pub struct DensifyArgs {
     /// Also write a report of that comparison, with maps, charts and tables: .html
     #[arg(long, value_name = "FILE", requires = "compare", help_heading = "Output", hide_short_help = true)]
     report: Option<PathBuf>,
+    /// Also write a page that shows the terrain and the finest of these lines in 3-D, as 'tokosen mesh' does: .html
+    #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
+    page: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     picture: PictureArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -102,6 +106,7 @@ Examples:
   tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
   tokosen densify feet.gpkg --unit ft -i 2 --to-unit ft -o every_2_feet.gpkg
   tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
+  tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg --page terrain.html
   tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg
   tokosen densify contours.gpkg -i 5 --zooms 10:100,12:20,14:5 -o contours.pmtiles
   tokosen densify contours.gpkg -i 5 -o map/contours.pmtiles --dem map/terrain.pmtiles --max-zoom 13 --viewer map/index.html";
@@ -130,6 +135,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         .as_deref()
         .map(|path| DemOutput::open(path, &args.height_map, args.levels.to_crs.to_crs.as_ref(), unit, attribution))
         .transpose()?;
+    let page = args.page.as_deref().map(terrain_page::open).transpose()?;
     let diagnostics = args.diagnostics.open()?;
     let band_output = args.levels.bands.open()?;
     let mut findings = Vec::new();
@@ -205,6 +211,11 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     // The layer with the most lines.
     let finest = bounds.iter().zip(&layers).max_by_key(|(_, layer)| layer.lines.len());
     let lines = finest.map_or(&[][..], |(_, layer)| &layer.lines);
+    if let Some(page) = &page {
+        let target = finest.map(|(target, _)| target.clone());
+        let params = HtmlParams { title: args.input.map.title(), target, unit, ..HtmlParams::default() };
+        terrain_page::write(page, &terrain, &params, console)?;
+    }
     let scene = Scene::of_surface(&terrain.surface, lines, &terrain.reprojection, Units::all(unit));
     let scene = args.levels.bands.tinted(scene, finest, unit);
     job.draw(&Drawing::Map(scene.within(terrain.part())))?;
@@ -237,6 +248,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         output.commit(map, console)?;
     }
     viewer.map(|viewer| viewer.commit(console)).transpose()?;
+    page.map(|page| terrain_page::commit(page, console)).transpose()?;
     job.commit_picture()?;
     let outside = terrain.findings_outside;
     if let Some(reference) = reference {
@@ -303,8 +315,8 @@ impl DensifyArgs {
 
     /// Whether only lines are asked for, and the input has its own at all their levels. Where it has no gaps, no surface is needed.
     fn wants_lines_of_input(&self, input: &Input, targets: &[Target], unit: ElevationUnit) -> Result<bool, Failure> {
-        let Self { dem, compare, picture, surface, .. } = self;
-        let wants_more = [dem, compare, &picture.preview].into_iter().any(Option::is_some);
+        let Self { dem, compare, page, picture, surface, .. } = self;
+        let wants_more = [dem, compare, page, &picture.preview].into_iter().any(Option::is_some);
         let has_features = surface.files().next().is_some() || surface.water.sea.is_some();
         let is_plain = !wants_more && !has_features && !self.height_map.uncertainty;
         Ok(is_plain && surface.surface == KindArg::Spline && are_given(&input.map, targets, unit)?)
@@ -316,7 +328,10 @@ impl DensifyArgs {
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
         let planned = layers.into_iter().flat_map(|(files, layers)| files.iter().map(move |path| (path, layers)));
         let outputs = planned.map(|(path, layers)| PlannedOutput { path, layers }).chain(
-            [&self.dem, &self.report, &self.viewer.viewer].into_iter().flatten().map(|path| path.as_path().into()),
+            [&self.dem, &self.report, &self.viewer.viewer, &self.page]
+                .into_iter()
+                .flatten()
+                .map(|path| path.as_path().into()),
         );
         let outputs = outputs.chain(self.diagnostics.planned()).chain(item.as_deref().map(PlannedOutput::from));
         let inputs = others.chain(self.surface.files()).chain(self.part.file());

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::base::ElevationUnit;
-use tokosen::base::error::Error;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::StagedOutput;
 use tokosen::io::mesh::{MESH_EXTENSIONS, PRINT_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
@@ -20,8 +19,9 @@ use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::part::PartArgs;
 use super::picture::{Asked, Drawing};
-use super::summary;
 use super::surface::SurfaceArgs;
+use super::terrain_page::PAGE_EXTENSIONS;
+use super::{summary, terrain_page};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
@@ -174,9 +174,6 @@ impl MeshArgs {
     }
 }
 
-/// The extensions of pages.
-const PAGE_EXTENSIONS: [&str; 2] = ["html", "htm"];
-
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let form = args.form(console)?;
@@ -205,11 +202,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
                 tolerance: args.tolerance,
                 ..HtmlParams::default()
             };
-            let path = staged.path();
-            let page = terrain.to_html(&params, console)?;
-            console
-                .step("writing", || std::fs::write(&path, page))
-                .map_err(|e| staged.with_final_name(Error::io("write", &path, e)))?;
+            terrain_page::write(&staged, &terrain, &params, console)?;
             None
         }
         _ => Some(args.write(form, &terrain, &staged, &mut job, console)?),
@@ -217,10 +210,9 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
-    let path = staged.commit()?;
     match &written {
-        Some(mesh) => describe(&path, mesh, form, console),
-        None => console.say(&format!("written    {} (a page for the browser; it needs no other file)", path.display())),
+        Some(mesh) => describe(&staged.commit()?, mesh, form, console),
+        None => terrain_page::commit(staged, console)?,
     }
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

@@ -55,6 +55,7 @@ mod source;
 mod suggest;
 mod summary;
 mod surface;
+mod terrain_page;
 mod terrain_tiles;
 mod tiles;
 mod unit;

@@ -80,6 +80,16 @@ fn a_page_knows_its_lines() {
     folder.succeeds("mesh in.gpkg --cell 30 -o plain.html");
     let plain = fs::read_to_string(folder.path("plain.html")).unwrap();
     assert!(!plain.contains("\"added\":\"") && !plain.contains("\"errors\":\""));
+    // Beside denser lines it shows the finest of them.
+    let said = folder.succeeds("densify in.gpkg -i 10,5 -o dense.gpkg --page beside.html");
+    assert!(said.contains("beside.html (a page for the browser"), "{said}");
+    let lengths = ["page.html", "beside.html"].map(|name| {
+        let page = fs::read_to_string(folder.path(name)).unwrap();
+        page.split("\"added\":\"").nth(1).unwrap().find('"').unwrap()
+    });
+    assert!(lengths[1] > 2 * lengths[0], "{lengths:?}");
+    let said = folder.ends("densify in.gpkg -i 5 -o other.gpkg --page page.pdf", USAGE);
+    assert!(said.contains("pages are written as .html, .htm"), "{said}");
 }
 
 #[test]

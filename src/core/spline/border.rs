@@ -3,43 +3,26 @@
 //! The tension draws the slopes to those of the reference surface. Near the frame, the reference surface is a poor one: contours end
 //! there, and so do ridge and canyon lines. There the ground goes on better as it bends inside.
 
-use std::f32::consts::SQRT_2;
-
+use super::steps::distances;
 use crate::base::Grid;
 
-/// Steps to four of the eight neighbours of a node, and their lengths. The other four are opposite.
-const STEPS: [(isize, isize, f32); 4] = [(1, 0, 1.0), (0, 1, 1.0), (1, 1, SQRT_2), (-1, 1, SQRT_2)];
-
-/// Lowers the tension at nodes nearer to the frame than `reach` (map units), in proportion to their distance. `lo` is NaN outside
-/// the frame.
+/// Lowers the tension at nodes nearer to the frame than `reach` (map units), in proportion to their distance. Those beyond the frame,
+/// where `lo` is NaN, get none: the surface has a margin there.
 pub fn lower_tension(tension: &mut [f32], lo: &[f32], grid: &Grid, reach: f64) {
+    if reach == 0.0 {
+        return;
+    }
     let node = (grid.cell.x * grid.cell.y).sqrt();
     // The nodes beside the frame are one node away.
     let reach = ((reach / node) as f32).max(1.0);
-    for (tension, distance) in tension.iter_mut().zip(distances(lo, [grid.cols, grid.rows], reach)) {
-        *tension *= distance / reach;
-    }
-}
-
-/// The distance of each node from the frame, along steps between nodes, in nodes; `most` where it is larger.
-fn distances(lo: &[f32], [cols, rows]: [usize; 2], most: f32) -> Vec<f32> {
-    let mut distances: Vec<f32> = lo.iter().map(|lo| if lo.is_nan() { 0.0 } else { most }).collect();
-    let mut shorten = |n: usize, sign: isize| {
-        let [i, j] = [(n % cols) as isize, (n / cols) as isize];
-        for (east, south, length) in STEPS {
-            let [i, j] = [i + sign * east, j + sign * south];
-            let is_on_grid = (0..cols as isize).contains(&i) && (0..rows as isize).contains(&j);
-            let from = if is_on_grid { distances[j as usize * cols + i as usize] } else { 0.0 };
-            distances[n] = distances[n].min(from + length);
-        }
-    };
-    (0..lo.len()).for_each(|n| shorten(n, -1));
-    (0..lo.len()).rev().for_each(|n| shorten(n, 1));
-    distances
+    let distances = distances(|n| lo[n].is_nan(), [grid.cols, grid.rows], (reach, 0.0));
+    tension.iter_mut().zip(distances).for_each(|(tension, distance)| *tension *= distance / reach);
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::SQRT_2;
+
     use glam::DVec2;
 
     use super::*;

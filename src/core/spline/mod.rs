@@ -18,7 +18,7 @@
 //! The steps are in `solve`. First the surface is found on coarse lattices, then on finer ones (`stages`, `lattice`).
 //! On each, conjugate gradients between bounds (`minimise`, `tile`, `stencil`) minimise the energy in `energy`. Its
 //! weights follow the surface (`reweight`). Then heights shrink towards the centre of their band (`shrinkage`), ridges
-//! and valleys get their curvature gain (`curvature_gain`), dense contours are met (`misses`), streams get its heights
+//! and valleys get their curvature gain (`curvature_gain`), flats become even (`flats`), dense contours are met (`misses`), streams get its heights
 //! and fall, and pits are breached (`pits`).
 
 mod at_contour;
@@ -30,6 +30,7 @@ mod curvature_gain;
 mod density;
 mod energy;
 mod far;
+mod flats;
 mod fold;
 mod grid;
 mod inside;
@@ -49,6 +50,7 @@ mod solve;
 mod spots;
 mod stages;
 mod stencil;
+mod steps;
 mod tile;
 mod unevenness;
 mod wide;

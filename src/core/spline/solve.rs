@@ -1,6 +1,5 @@
 //! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
 
-use super::border;
 use super::conditions::{Conditions, line_crossings, spot_crossings};
 use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
@@ -13,6 +12,7 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
+use super::{border, flats};
 use super::{curvature_gain, far, misses, residual, soft_spots, spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, Sure, parallel};
@@ -110,6 +110,7 @@ pub fn spline(
             curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
+    flats::even_out(&mut heights, conditions, &contour_density, tuning);
     let mut working = WorkingGrid { grid: *grid, heights };
     misses::add_misses(&mut working, conditions, [lo, hi]);
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);

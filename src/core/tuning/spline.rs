@@ -123,6 +123,18 @@ tuned! {
         ///
         /// Refit: RMSE.
         frame_reach: f64 = 1.0,
+        /// Most rounds that make level ground even. Without them, ridge and canyon lines and the edges of large triangles show on it.
+        ///
+        /// Tried 0, on contours that lie on no raster: the RMSE of four maps changes by -0.02 %, and hillshades have hairlines.
+        ///
+        /// Refit: hillshades; RMSE.
+        flat_rounds: usize = 40,
+        /// Relative contour densities up to which ground counts as level in full, and from which it does not.
+        ///
+        /// Tried 0.1 to 0.3 and 0.25 to 0.75: the RMSE of four maps changes by +0.03 % and +0.2 %.
+        ///
+        /// Refit: hillshades; RMSE.
+        flat_densities: [f32; 2] = [0.05, 0.2],
         /// Share of the reference surface where the smooth surface is level and the reference surface is not.
         ///
         /// Tried 0.15 and 0.6: the RMSE of four maps changes by -0.03 % and +0.56 %.

@@ -12,7 +12,7 @@ from tokosen import _options
 # Flags about files, pictures and the run: functions return results, and a result has a method that writes or draws it.
 NO_ARGUMENTS = {
     "help", "output", "preview", "diagnostics", "quiet", "verbose", "overwrite", "threads", "save-run", "labels", "bands", "cog",
-    "png-encoding", "report", "json", "zooms", "tile-image", "viewer", "attribution",
+    "png-encoding", "report", "page", "json", "zooms", "tile-image", "viewer", "attribution",
     "paper", "scale", "title", "source", "font", "for", "size", "stac",
 }
 # Names that differ: a flag that switches something off is an argument that is true.

@@ -16,7 +16,7 @@ LEFT_OUT = {
     "font", "for", "size", "stac",
 }
 LEFT_OUT_OF = {
-    "densify": {"dem", "cell", "cell-degrees", "like", "cog", "compare", "report", "png-encoding", "max-zoom", "tile-size", "tile-image"},
+    "densify": {"dem", "page", "cell", "cell-degrees", "like", "cog", "compare", "report", "png-encoding", "max-zoom", "tile-size", "tile-image"},
     "check": {"strict"},
     "skeleton": {"triangles", "curve-mesh"},
 }
