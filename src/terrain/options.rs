@@ -23,7 +23,7 @@ pub struct Options {
     pub noise: Option<f64>,
     /// The level of the sea, metres. Ground that reaches down only to contours of this level is the sea.
     pub sea: Option<f64>,
-    /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`](tokosen_core::streams::Streams::tolerance).
+    /// How far a stream is moved to agree with the contours, map units; see [`SurfaceParams::stream_tolerance`](tokosen_core::surface::SurfaceParams::stream_tolerance).
     pub stream_tolerance: Option<f64>,
     /// Distance from the surface at which a twentieth of its difference from the base is left, map units. If `None`: a
     /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`](super::Input::set_base).

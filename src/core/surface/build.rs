@@ -27,8 +27,9 @@ use crate::validate::{TrialParams, choose, error_field};
 ///
 /// # Errors
 /// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
-/// is out of range, or when the smooth surface needs more memory than it may take. [`Error::StreamsElsewhere`] if most streams
-/// contradict the contours, unless the map is a part of a larger one: then this is a finding.
+/// is out of range, or when the smooth surface needs more memory than it may take. The error
+/// [`StreamsElsewhere`](crate::base::error::Error::StreamsElsewhere) arises if most streams contradict the contours, unless the map is a
+/// part of a larger one: then this is a finding.
 pub fn build(
     map: ContourMap,
     given: &Given,

@@ -15,9 +15,11 @@ mod part;
 mod surface_params;
 
 #[cfg(feature = "io")]
-pub(super) use cliffs::explain_by_cliffs;
-pub(super) use exclude::drop_expected;
-pub(super) use surface_params::{given, surface_params};
+pub(super) use {
+    cliffs::explain_by_cliffs,
+    exclude::drop_expected,
+    surface_params::{given, surface_params},
+};
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;

@@ -53,7 +53,7 @@ pub(in crate::terrain) fn given(features: Features, sea: Option<f64>, coast: Vec
         water: Water { lakes, sea, coast },
         streams: Streams { lines: streams, areas: river_areas },
         cliffs: cliffs.into_iter().map(|cliff| cliff.points).collect(),
-        break_lines: break_lines,
+        break_lines,
         sinks,
     }
 }
