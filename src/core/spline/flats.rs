@@ -7,6 +7,7 @@
 
 use glam::DVec2;
 
+use super::at_contour::is_at_contour;
 use super::conditions::Conditions;
 use super::lattice::{Crossing, Lattice};
 use super::steps::distances;
@@ -40,11 +41,14 @@ fn even(heights: &mut [f32], [cols, rows]: [usize; 2], known: &[bool], contour_d
     }
 }
 
-/// The nodes at both ends of the edges that contours, streams, break lines and cliffs cross, and those around spot heights.
+/// The nodes at both ends of the edges that contours, streams, break lines and cliffs cross, those around spot heights, and those beside
+/// another band, such as at the shores of lakes.
 fn known(conditions: &Conditions<'_>) -> Vec<bool> {
     let lattice = Lattice::of_grid(&conditions.grid);
     let cols = conditions.grid.cols;
-    let mut known = vec![false; conditions.grid.len()];
+    let mut known = parallel::values(conditions.grid.len(), |n| {
+        conditions.bounds.iter().any(|bound| is_at_contour(bound, n, cols))
+    });
     let mut mark = |line: &[DVec2]| {
         let (mut east, mut south) = (Vec::new(), Vec::new());
         lattice.cross(
