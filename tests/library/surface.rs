@@ -156,7 +156,7 @@ fn smooth_ground_gets_little_tension_and_a_small_error() {
     let (surface, _) = surface_of(bowl(9), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();
     assert_eq!((chosen.reason, chosen.hyper_parameters.noise), (Reason::Hidden, 0.0));
-    assert!(chosen.hyper_parameters.tension < 4.0, "{chosen:?}");
+    assert!(chosen.hyper_parameters.tension < 3.0, "{chosen:?}");
     let (hidden, implied) = (chosen.hidden.unwrap(), chosen.implied.unwrap());
     assert!(hidden.count > 1000, "{hidden:?}");
     assert_eq!((hidden.interval, implied.interval), (20.0, 10.0));
@@ -218,8 +218,7 @@ fn a_patch_of_broken_lines_does_not_change_how_the_surface_is_drawn() {
     assert!(mended.len() > 20 && mended.iter().all(|p| p.x > 0.0 && p.y.abs() < 90.0), "{mended:?}");
     let after = chosen(contours);
     let rmse = |chosen: &Chosen| chosen.hidden.unwrap().rmse;
-    // The outermost lines are broken too, and there little tension holds the surface.
-    assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.35, "{before:?} {after:?}");
+    assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.2, "{before:?} {after:?}");
     assert!(
         (after.hyper_parameters.tension / before.hyper_parameters.tension).ln().abs() < 0.2,
         "{before:?} {after:?}"

@@ -7,7 +7,7 @@ use super::steps::distances;
 use crate::base::Grid;
 
 /// Lowers the tension at nodes nearer to the frame than `reach` (map units), in proportion to their distance. Those beyond the frame,
-/// where `lo` is NaN, get none: the surface has a margin there.
+/// where `lo` is NaN, keep theirs: they hold the margin of the surface.
 pub fn lower_tension(tension: &mut [f32], lo: &[f32], grid: &Grid, reach: f64) {
     if reach == 0.0 {
         return;
@@ -16,7 +16,8 @@ pub fn lower_tension(tension: &mut [f32], lo: &[f32], grid: &Grid, reach: f64) {
     // The nodes beside the frame are one node away.
     let reach = ((reach / node) as f32).max(1.0);
     let distances = distances(|n| lo[n].is_nan(), [grid.cols, grid.rows], (reach, 0.0));
-    tension.iter_mut().zip(distances).for_each(|(tension, distance)| *tension *= distance / reach);
+    let inside = tension.iter_mut().zip(lo).zip(distances).filter(|((_, lo), _)| !lo.is_nan());
+    inside.for_each(|((tension, _), distance)| *tension *= distance / reach);
 }
 
 #[cfg(test)]
@@ -37,7 +38,7 @@ mod tests {
         let row = |j: usize| &tension[j * grid.cols..(j + 1) * grid.cols];
         assert_eq!([grid.cols, grid.rows], [7, 5]);
         assert_eq!(row(0), [4.0; 7], "the outermost nodes");
-        assert_eq!(row(1), [4.0, 0.0, 4.0, 8.0, 8.0, 8.0, 4.0], "beside a node outside the frame");
+        assert_eq!(row(1), [4.0, 8.0, 4.0, 8.0, 8.0, 8.0, 4.0], "beside a node outside the frame");
         assert_eq!(row(2), [4.0, 4.0, 4.0 * SQRT_2, 8.0, 8.0, 8.0, 4.0]);
     }
 }

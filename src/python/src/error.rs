@@ -25,3 +25,6 @@ fn named(py: Python<'_>, class: &str, message: String) -> PyErr {
     let made = py.import("tokosen._errors").and_then(|module| module.getattr(class)?.call1((message.as_str(),)));
     made.map_or_else(|_| PyRuntimeError::new_err(message), PyErr::from_value)
 }
+
+/// A finding for a warning: severity, code, message.
+pub type Warned = (&'static str, &'static str, String);

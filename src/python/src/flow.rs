@@ -14,12 +14,13 @@ use tokosen::raster::{Dem, GroundScale};
 use tokosen::terrain::{Outlets, Place, flood_source};
 
 use crate::derived::Derived;
+use crate::error::Warned;
 use crate::error::parameter;
 use crate::input::failed;
 use crate::layer::Layer;
 use crate::options::one_of;
 use crate::raster::Raster;
-use crate::terrain::{Warned, warned};
+use crate::terrain::warned;
 use crate::work::work;
 
 /// The products, for the message about an unknown one.

@@ -27,7 +27,7 @@ use tokosen::io::layer::{self, Cell, Column, Geometry, Kind, Outer, Row, Shape};
 use tokosen::io::tiles::TileFormat;
 use tokosen::io::{StagedOutput, check_paths, with_layers_back, write_layers};
 
-use crate::terrain::Warned;
+use crate::error::Warned;
 use crate::tiles::{Shown, Tiling, contour_tiles};
 use crate::work::work;
 

@@ -18,11 +18,11 @@ use tokosen::io::tiles::{TileFormat, TileImage};
 use tokosen::io::{StagedOutput, check_paths};
 use tokosen::raster::{Dem, ShiftWay};
 
+use crate::error::Warned;
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
 use crate::options::{one_of, tile_side};
 use crate::source::crs;
-use crate::terrain::Warned;
 use crate::tiles::{Tiling, terrain_tiles};
 use crate::unit::unit;
 use crate::work::work;

@@ -23,6 +23,7 @@ use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::{HeightMap, HtmlParams};
 use tokosen::{Input, Interval, Options};
 
+use crate::error::Warned;
 use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
@@ -41,9 +42,6 @@ pub struct Terrain {
     /// The name of the contours in messages.
     pub name: std::path::PathBuf,
 }
-
-/// A finding for a warning: severity, code, message.
-pub type Warned = (&'static str, &'static str, String);
 
 /// Findings that are errors or warnings, with their places in the input's coordinates in the message.
 pub fn warned<'a>(findings: impl IntoIterator<Item = &'a Finding>, back: &FromWorking) -> Vec<Warned> {

@@ -18,8 +18,8 @@ use tokosen::raster::Dem;
 use tokosen::tiles::WEB_MERCATOR;
 use tokosen::{Error, Result};
 
+use crate::error::Warned;
 use crate::error::exception;
-use crate::terrain::Warned;
 
 /// What tiles show of contours by zoom.
 #[derive(Debug, Clone, Copy)]

@@ -23,6 +23,7 @@ use tokosen::terrain::{all_right, check_json, clip_areas, clip_skeleton, clip_st
 use tokosen::tuning::SkeletonTuning;
 
 use crate::derived::Derived;
+use crate::error::Warned;
 use crate::error::parameter;
 use crate::flow::{self, Water};
 use crate::input::{Ground, Recipe, failed};
@@ -30,7 +31,7 @@ use crate::layer::Layer;
 use crate::options::{Given, Levels, settled};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
-use crate::terrain::{Warned, one, warned, with_labels};
+use crate::terrain::{one, warned, with_labels};
 use crate::unit::unit;
 use crate::work::work;
 
