@@ -18,9 +18,9 @@ use crate::error::Warned;
 use crate::error::parameter;
 use crate::input::failed;
 use crate::layer::Layer;
-use crate::options::one_of;
 use crate::raster::Raster;
 use crate::terrain::warned;
+use crate::unit::one_of;
 use crate::work::work;
 
 /// The products, for the message about an unknown one.

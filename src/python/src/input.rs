@@ -13,9 +13,9 @@ use tokosen::terrain::{extent_on, read_area_on};
 use tokosen::{Input, InputOptions, Result};
 
 use crate::error::{exception, parameter};
-use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap, one_of};
+use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap};
 use crate::source::{Given as GivenSource, Source, crs, sources};
-use crate::unit::unit;
+use crate::unit::{one_of, unit};
 
 /// All that an input is made of, without Python's objects: it is read while others use Python.
 pub struct Recipe {

@@ -20,7 +20,7 @@ use tokosen::{GridSpec, Options};
 use crate::error::{exception, parameter};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
-use crate::unit::unit;
+use crate::unit::{one_of, tile_side, unit};
 
 /// How contours are read and a surface is made. The names are those of the program's flags.
 #[derive(FromPyObject)]
@@ -288,17 +288,4 @@ pub fn settled(plan: Option<MapPlan>, base: f64, slope: impl FnOnce() -> f64) ->
         params.kinds.interval.base = base;
     }
     Some(params)
-}
-
-/// The pixels of a terrain tile's side, if there are as many.
-pub fn tile_side(py: Python<'_>, side: usize) -> PyResult<usize> {
-    match side {
-        256 | 512 => Ok(side),
-        other => Err(parameter(py, format!("tile_size is {other}; it must be 256 or 512"))),
-    }
-}
-
-/// The exception for a word that is none of those known.
-pub fn one_of(py: Python<'_>, name: &str, given: &str, known: &str) -> PyErr {
-    parameter(py, format!("{name} is {given:?}; it must be {known}"))
 }

@@ -21,10 +21,9 @@ use tokosen::raster::{Dem, ShiftWay};
 use crate::error::Warned;
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
-use crate::options::{one_of, tile_side};
 use crate::source::crs;
 use crate::tiles::{Tiling, terrain_tiles};
-use crate::unit::unit;
+use crate::unit::{one_of, tile_side, unit};
 use crate::work::work;
 
 /// How a raster is written.
