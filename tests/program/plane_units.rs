@@ -89,12 +89,12 @@ impl Folder {
         (values[0], values[values.len() - 1])
     }
 
-    /// Refuses slopes other than that of the plane. The smooth surface leaves it a little near its border.
+    /// Refuses slopes other than that of the plane, also at its border.
     fn has_the_slope(&self, name: &str, what: &str) {
         let slopes = self.sorted(name);
         let (lo, middle, hi) = (slopes[0], slopes[slopes.len() / 2], slopes[slopes.len() - 1]);
         assert!((middle - SLOPE).abs() < 0.003, "{what}: {middle} degrees");
-        assert!(lo > 0.7 * SLOPE && hi < 1.3 * SLOPE, "{what}: slopes from {lo} to {hi} degrees");
+        assert!(lo > 0.99 * SLOPE && hi < 1.01 * SLOPE, "{what}: slopes from {lo} to {hi} degrees");
     }
 
     /// The coordinates of all contours of a file, bit for bit, and metres per unit of its system.

@@ -1,44 +1,50 @@
-//! Less tension near the frame.
-//!
-//! The tension draws the slopes to those of the reference surface. Near the frame, the reference surface is a poor one: contours end
-//! there, and so do ridge and canyon lines. There the ground goes on better as it bends inside.
+//! The slope of the reference surface goes on beyond the frame.
 
-use super::steps::distances;
-use crate::base::Grid;
+use super::inside::MARGIN;
+use crate::base::parallel;
 
-/// Lowers the tension at nodes nearer to the frame than `reach` (map units), in proportion to their distance. Those beyond the frame,
-/// where `lo` is NaN, keep theirs: they hold the margin of the surface.
-pub fn lower_tension(tension: &mut [f32], lo: &[f32], grid: &Grid, reach: f64) {
-    if reach == 0.0 {
-        return;
+/// Carries heights on over the nodes beyond the frame that belong to the surface, by straight lines. Heights are NaN there
+/// before.
+///
+/// The tension draws the slopes to those of the reference surface. Without heights beyond the frame it would draw them to
+/// level ground there, and slopes at the frame would become less steep.
+pub fn carry_on(heights: &mut [f32], cols: usize) {
+    let rows = heights.len() / cols.max(1);
+    for _ in 0..MARGIN {
+        let before = &*heights;
+        let carried = |n: usize| {
+            let (i, j) = (n % cols, n / cols);
+            let at = |x: isize, y: isize| {
+                let (i, j) = (i.checked_add_signed(x)?, j.checked_add_signed(y)?);
+                (i < cols && j < rows).then(|| before[j * cols + i]).filter(|z| !z.is_nan())
+            };
+            let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+            let found = steps.into_iter().filter_map(|(x, y)| Some(2.0 * at(x, y)? - at(2 * x, 2 * y)?));
+            let (sum, count) = found.fold((0.0, 0.0), |(sum, count), z| (sum + z, count + 1.0));
+            (count > 0.0).then_some((n, sum / count))
+        };
+        let is_beyond = |n: &usize| before[*n].is_nan();
+        let found = parallel::map(rows, |j| -> Vec<(usize, f32)> {
+            (j * cols..(j + 1) * cols).filter(is_beyond).filter_map(carried).collect()
+        });
+        found.into_iter().flatten().for_each(|(n, z)| heights[n] = z);
     }
-    let node = (grid.cell.x * grid.cell.y).sqrt();
-    // The nodes beside the frame are one node away.
-    let reach = ((reach / node) as f32).max(1.0);
-    let distances = distances(|n| lo[n].is_nan(), [grid.cols, grid.rows], (reach, 0.0));
-    let inside = tension.iter_mut().zip(lo).zip(distances).filter(|((_, lo), _)| !lo.is_nan());
-    inside.for_each(|((tension, _), distance)| *tension *= distance / reach);
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f32::consts::SQRT_2;
-
-    use glam::DVec2;
-
     use super::*;
 
     #[test]
-    fn the_tension_grows_with_the_distance_from_the_frame() {
-        let grid = Grid::on_multiples(DVec2::ZERO, DVec2::new(70.0, 50.0), 10.0);
-        let mut lo = vec![0.0; grid.len()];
-        lo[grid.cols + 1] = f32::NAN;
-        let mut tension = vec![8.0; grid.len()];
-        lower_tension(&mut tension, &lo, &grid, 20.0);
-        let row = |j: usize| &tension[j * grid.cols..(j + 1) * grid.cols];
-        assert_eq!([grid.cols, grid.rows], [7, 5]);
-        assert_eq!(row(0), [4.0; 7], "the outermost nodes");
-        assert_eq!(row(1), [4.0, 8.0, 4.0, 8.0, 8.0, 8.0, 4.0], "beside a node outside the frame");
-        assert_eq!(row(2), [4.0, 4.0, 4.0 * SQRT_2, 8.0, 8.0, 8.0, 4.0]);
+    fn a_slope_goes_on_beyond_the_frame() {
+        let (cols, rows) = (12, 10);
+        let slope = |n: usize| 3.0 * (n % cols) as f32 - 2.0 * (n / cols) as f32 + 100.0;
+        let inside = |n: usize| (4..8).contains(&(n % cols)) && (3..7).contains(&(n / cols));
+        let mut heights: Vec<f32> = (0..cols * rows).map(|n| if inside(n) { slope(n) } else { f32::NAN }).collect();
+        carry_on(&mut heights, cols);
+        let carried: Vec<usize> = (0..cols * rows).filter(|&n| !heights[n].is_nan()).collect();
+        assert!(carried.iter().all(|&n| heights[n] == slope(n)));
+        let near = |n: usize| (2..10).contains(&(n % cols)) && (1..9).contains(&(n / cols));
+        assert!(carried.iter().filter(|&&n| near(n)).count() > 16 + 32, "{}", carried.len());
     }
 }

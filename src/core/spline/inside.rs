@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::base::parallel;
 
 /// Number of nodes beyond the frame that belong to the surface. So every place inside the frame lies between nodes.
-const MARGIN: usize = 2;
+pub const MARGIN: usize = 2;
 
 /// The nodes inside the frame and a margin of [`MARGIN`] nodes around them.
 pub struct Inside {

@@ -36,9 +36,9 @@ pub fn spline(
     let slack_reach = (tuning.noise_slack_reach * *spacing / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
     let contour_density = contour_density(reference, grid, *spacing, interval, tuning.density_rounds);
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
-    let averaged = far::averaged(reference, lo, grid.cols, &wide.share);
+    let mut averaged = far::averaged(reference, lo, grid.cols, &wide.share);
+    border::carry_on(&mut averaged, grid.cols);
     let mut tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
-    border::lower_tension(&mut tension, lo, grid, tuning.frame_reach * *spacing);
     // Whether cliffs free a node from the reference surface and from the middle of its band.
     let free = &conditions.beside_cliffs;
     tension.iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(tension, _)| *tension = 0.0);

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
+use super::border::carry_on;
 use super::cliffs::Walls;
 use super::conditions::{Drainage, contour_crossings, line_crossings};
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
@@ -169,11 +170,13 @@ impl Stage<'_> {
         // Steps are twice as long. So first differences count four times as much against second ones.
         let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
         let bounds = self.bounds.each_ref().map(|bound| take(bound).into());
+        let mut reference = take(&self.reference);
+        carry_on(&mut reference, lattice.cols);
         Some(Stage {
             lattice,
             depth: self.depth + 1,
             bounds,
-            reference: take(&self.reference).into(),
+            reference: reference.into(),
             tension: tension.into(),
             wide: take(&self.wide).into(),
         })

@@ -114,14 +114,6 @@ tuned! {
         ///
         /// Refit: RMSE.
         bound_tension_reach: usize = 10,
-        /// From the frame to this distance, the tension grows from nothing to its value, mean spacings of the contours.
-        ///
-        /// Tried 0 (the whole tension everywhere), on five maps whose contours lie on no raster: the RMSE changes by +0.35 % in the mean,
-        /// by -0.16 % to +1.7 %. With no tension beyond the frame either it falls by 0.4 % more, but broken lines at the frame then
-        /// change the surface elsewhere.
-        ///
-        /// Refit: RMSE.
-        frame_reach: f64 = 1.0,
         /// Most rounds that make level ground even. Without them, ridge and canyon lines and the edges of large triangles show on it.
         ///
         /// Tried 0, on contours that lie on no raster: the RMSE of four maps changes by -0.02 %, and hillshades have hairlines.

@@ -20,6 +20,8 @@ use crate::tuning::TrialTuning;
 /// Largest number of nodes of a trial's grid. It limits time. The other levels may lie in a sliver of the map, whose
 /// mean spacing asks for very small cells.
 const MOST_TRIAL_NODES: usize = 1_500_000;
+/// Places nearer to a mended place than this many spacings are left out: the first number of which enough places stay.
+const MENDED_REACH: [f64; 2] = [3.0, 1.0];
 /// Tolerance of rounding: the contour interval may differ from twice the map's by this share.
 const INTERVAL_SHARE: f64 = 1e-3;
 
@@ -224,21 +226,19 @@ fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
     Contour { points, ..contour.clone() }
 }
 
-/// Places without those that are nearer to a mended place than the mean spacing of the contours. Residuals at broken
-/// lines show nothing about other ground. If only a minority is left, all places are kept.
+/// Places without those that are near a mended place: nearer than three mean spacings of the contours, or than one where that
+/// would leave a minority. Residuals at broken lines show nothing about other ground. If one spacing too leaves a minority, all
+/// places are kept.
 fn without_mended(places: Vec<HiddenPlace>, mended: &[DVec2], spacing: f64) -> Vec<HiddenPlace> {
     let mended = RTree::bulk_load(mended.iter().map(|p| p.to_array()).collect());
-    let is_sound = |place: &HiddenPlace| {
-        mended
-            .nearest_neighbor(&place.at.to_array())
-            .is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= spacing)
+    let distance = |place: &HiddenPlace| {
+        let nearest = mended.nearest_neighbor(&place.at.to_array());
+        nearest.map_or(f64::INFINITY, |m| place.at.distance(DVec2::from_array(*m)))
     };
-    let total = places.len();
-    let keep: Vec<bool> = parallel::map_each(&places, is_sound);
-    if 2 * keep.iter().filter(|keep| **keep).count() < total {
-        return places;
-    }
-    places.into_iter().zip(keep).filter_map(|(place, keep)| keep.then_some(place)).collect()
+    let distances: Vec<f64> = parallel::map_each(&places, distance);
+    let is_majority = |least: &f64| 2 * distances.iter().filter(|d| *d >= least).count() >= places.len();
+    let Some(least) = MENDED_REACH.map(|reach| reach * spacing).into_iter().find(is_majority) else { return places };
+    places.into_iter().zip(distances).filter_map(|(place, d)| (d >= least).then_some(place)).collect()
 }
 
 impl Trial {
