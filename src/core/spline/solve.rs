@@ -12,8 +12,7 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{border, flats};
-use super::{curvature_gain, far, misses, residual, soft_spots, spots};
+use super::{curvature_gain, far, flats, misses, residual, soft_spots, spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, Sure, parallel};
 use crate::streams::Stream;
@@ -36,8 +35,7 @@ pub fn spline(
     let slack_reach = (tuning.noise_slack_reach * *spacing / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
     let contour_density = contour_density(reference, grid, *spacing, interval, tuning.density_rounds);
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
-    let mut averaged = far::averaged(reference, lo, grid.cols, &wide.share);
-    border::carry_on(&mut averaged, grid.cols);
+    let averaged = far::averaged(reference, lo, grid.cols, &wide.share);
     let mut tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
     // Whether cliffs free a node from the reference surface and from the middle of its band.
     let free = &conditions.beside_cliffs;

@@ -123,7 +123,7 @@ type Weighed<'a> = (Energy<'a>, Folds);
 
 /// The heights at the nodes of the finest lattice. Those outside the frame are meaningless.
 pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
-    let finest = Stage {
+    let mut finest = Stage {
         lattice: problem.lattice,
         depth: 0,
         bounds: problem.bounds.each_ref().map(|bound| Cow::Borrowed(&**bound)),
@@ -131,7 +131,11 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
         tension: Cow::Borrowed(&problem.tension),
         wide: Cow::Borrowed(&problem.wide),
     };
-    let coarser: Vec<Stage<'_>> = std::iter::successors(finest.coarser(), Stage::coarser).collect();
+    let mut coarser: Vec<Stage<'_>> = std::iter::successors(finest.coarser(), Stage::coarser).collect();
+    // Each from its own nodes: what the finest nodes show of a slope does not reach far.
+    for stage in coarser.iter_mut().chain([&mut finest]) {
+        carry_on(stage.reference.to_mut(), stage.lattice.cols);
+    }
     let all: usize = finest.lattice.len() + coarser.iter().map(|s| s.lattice.len()).sum::<usize>();
     progress.start(STEP, all as u64);
     let solved = |stage: &Stage<'_>, energy: Weighed<'_>, before: Option<Solved>| {
@@ -170,13 +174,11 @@ impl Stage<'_> {
         // Steps are twice as long. So first differences count four times as much against second ones.
         let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
         let bounds = self.bounds.each_ref().map(|bound| take(bound).into());
-        let mut reference = take(&self.reference);
-        carry_on(&mut reference, lattice.cols);
         Some(Stage {
             lattice,
             depth: self.depth + 1,
             bounds,
-            reference: reference.into(),
+            reference: take(&self.reference).into(),
             tension: tension.into(),
             wide: take(&self.wide).into(),
         })
