@@ -80,6 +80,10 @@ impl InputFormat {
             "xml" => Ok(Self::LandXml),
             "csv" | "tsv" => Ok(Self::Text),
             "zip" => Ok(Self::ZippedShapefile),
+            _ if has_layer_of_another_program(path) => Err(Error::file(
+                path,
+                "a layer of a file is named with |layername=, as in 'all.gpkg|layername=contours'",
+            )),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not name a vector format that is read; known are .geojson and .json (GeoJSON), \
@@ -89,4 +93,10 @@ impl InputFormat {
             )),
         }
     }
+}
+
+/// Whether a path is that of a file with a layer behind it, as some programs write it: `all.gpkg:contours`.
+fn has_layer_of_another_program(path: &Path) -> bool {
+    let parts = path.to_str().and_then(|text| text.rsplit_once([':', ',', ';', '#', '@']));
+    parts.is_some_and(|(file, _)| VectorFormat::from_path(Path::new(file)).is_ok())
 }

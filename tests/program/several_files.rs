@@ -98,6 +98,11 @@ fn a_layer_is_named_after_its_file() {
     assert!(wrong.contains("there is no layer \"north\""), "{wrong}");
     let wrong = folder.ends("dem all.gpkg|layerid=1 --cell 20 -o out.tif", 2);
     assert!(wrong.contains("|layername=NAME"), "{wrong}");
+    // As other programs write it.
+    for other in ["all.gpkg:east", "all.gpkg,east"] {
+        let wrong = folder.ends(&format!("dem {other} --cell 20 -o out.tif"), 1);
+        assert!(wrong.contains("'all.gpkg|layername=contours'"), "{wrong}");
+    }
 }
 
 #[test]
