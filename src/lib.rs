@@ -152,7 +152,8 @@ pub mod tiling;
 #[doc(inline)]
 pub use tokosen_core::{
     arrays, bands, base, break_lines, cartography, check, clean, contour, crs, dem, drain, features, layers, mesh,
-    plates, raster, resample, skeleton, slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning, validate,
+    plates, raster, resample, skeleton, slice, spline, streams, subdivision, subdomains, surface, tiles, tin, tuning,
+    validate,
 };
 #[cfg(feature = "draw")]
 #[doc(inline)]

@@ -123,7 +123,8 @@ pub fn params(
     let usual = PlateParams::of(thickness);
     let rise = match (interval, exaggeration) {
         (Some(_), Some(_)) => {
-            let message = "--interval and --exaggeration: one of them follows from the other and --thickness. Leave out one";
+            let message =
+                "--interval and --exaggeration: one of them follows from the other and --thickness. Leave out one";
             return Err(Failure::Usage(message.into()));
         }
         (Some(step), None) => Rise::Interval(step),

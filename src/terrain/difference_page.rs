@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
-use super::compare::{Nodes, Pair};
+use super::compare::Pair;
 use super::html::{MOST_CELLS, TOLERANCE, exaggeration};
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::{Progress, step};

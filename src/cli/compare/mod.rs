@@ -144,7 +144,8 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);
     let inputs: Vec<&Path> =
         files.chain(args.grid.like.as_deref()).chain(args.surface.files()).chain(args.shift.file()).collect();
-    let outputs: Vec<PlannedOutput<'_>> = [&args.output, &args.report, &args.page].into_iter().flatten().map(|p| p.as_path().into()).collect();
+    let outputs: Vec<PlannedOutput<'_>> =
+        [&args.output, &args.report, &args.page].into_iter().flatten().map(|p| p.as_path().into()).collect();
     console.check_paths(&inputs, &outputs)?;
     Ok(contents)
 }

@@ -23,7 +23,8 @@ fn band(from: f64, rings: Vec<Vec<DVec2>>) -> BandArea {
 /// A map of 100 x 80 m with a terrace at its west side, on which there are a top and a rock of one metre.
 fn terrace() -> Vec<BandArea> {
     let (top, rock) = (square((20.0, 20.0), 20.0), square((50.0, 50.0), 1.0));
-    let low = [(0.0, 0.0), (100.0, 0.0), (100.0, 80.0), (0.0, 80.0), (0.0, 70.0), (60.0, 70.0), (60.0, 10.0), (0.0, 10.0)];
+    let low =
+        [(0.0, 0.0), (100.0, 0.0), (100.0, 80.0), (0.0, 80.0), (0.0, 70.0), (60.0, 70.0), (60.0, 10.0), (0.0, 10.0)];
     vec![
         band(300.0, vec![ring(&low)]),
         band(310.0, vec![square((0.0, 10.0), 60.0), turned(top.clone()), turned(rock.clone())]),
@@ -41,11 +42,10 @@ fn plates_lie_in_each_other_and_show_the_next_one() {
     let made = plates(&terrace(), Interval::every(10.0), 2.0, None).unwrap();
     assert_eq!((made.sheets.len(), made.size, made.left_out), (1, DVec2::new(200.0, 160.0), 1));
     let plates = &made.sheets[0].plates;
-    assert_eq!(plates.iter().map(|plate| (plate.number, plate.level)).collect::<Vec<_>>(), [
-        (1, 300.0),
-        (2, 310.0),
-        (3, 320.0)
-    ]);
+    assert_eq!(
+        plates.iter().map(|plate| (plate.number, plate.level)).collect::<Vec<_>>(),
+        [(1, 300.0), (2, 310.0), (3, 320.0)]
+    );
     assert_eq!(plates.iter().map(|plate| area(&plate.cut)).collect::<Vec<_>>(), [32_000.0, 14_400.0, 1_600.0]);
     // What is cut anyway is not engraved. The rock is no hole and no outline.
     assert_eq!(plates.iter().map(|plate| plate.outline.len()).collect::<Vec<_>>(), [1, 1, 0]);

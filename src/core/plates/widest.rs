@@ -55,7 +55,8 @@ impl Shape {
         let mut squares = vec![];
         let mut open: BinaryHeap<(Key, usize)> = BinaryHeap::new();
         let counts = (size / (2.0 * half)).ceil();
-        let places = (0..counts.y as u32).flat_map(|j| (0..counts.x as u32).map(move |i| DVec2::new(i.into(), j.into())));
+        let places =
+            (0..counts.y as u32).flat_map(|j| (0..counts.x as u32).map(move |i| DVec2::new(i.into(), j.into())));
         let mut next: Vec<Square> = places.map(|at| Square { middle: min + half * (2.0 * at + 1.0), half }).collect();
         loop {
             for square in next {

@@ -76,7 +76,9 @@ fn cells_without_a_height_ask_for_nothing() {
     dem.values[7 * 20 + 7] = f32::NAN;
     let base = ground(&dem, &[(0.0, 0.0), (0.0, 19.0), (19.0, 19.0), (19.0, 0.0)]);
     assert_eq!(light(&Outline::of_tin(&base), &dem, 0.1).unwrap().len(), 2);
-    assert!(light(&Outline::of_tin(&base), &dem, 0.0).is_err() && light(&Outline::of_tin(&base), &dem, f64::NAN).is_err());
+    assert!(
+        light(&Outline::of_tin(&base), &dem, 0.0).is_err() && light(&Outline::of_tin(&base), &dem, f64::NAN).is_err()
+    );
 }
 
 #[test]
