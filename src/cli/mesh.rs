@@ -233,7 +233,9 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
         }
         (_, Some(params)) => {
             let inputs = args.input.map.files()?;
-            Written::Plates(plates::write((&mut terrain, params), &staged, &inputs, console)?)
+            let made = plates::write((&mut terrain, params), &staged, &inputs, console)?;
+            job.check_strict(&terrain.findings)?;
+            Written::Plates(made)
         }
         _ => Written::Model(args.write(form, &terrain, &staged, &mut job, console)?),
     };

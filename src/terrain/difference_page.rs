@@ -187,3 +187,40 @@ fn largest(grid: &Grid, differences: &[f32]) -> Vec<(DVec2, f64)> {
     }
     places
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_picked_around_those_that_both_have() {
+        let grid = Grid { corner: DVec2::new(1000.0, 2000.0), cell: DVec2::splat(10.0), cols: 9, rows: 8 };
+        let values = (0..72).map(|k| k as f32).collect();
+        let a = Dem { grid, values, crs: None };
+        // B begins at the second column and the third row, and has a gap.
+        let missing = |k: usize| k % 9 < 1 || k / 9 < 2 || k == 40;
+        let b = Dem { values: (0..72).map(|k| if missing(k) { f32::NAN } else { 0.0 }).collect(), ..a.clone() };
+        let window = known(&a, &b).unwrap();
+        assert_eq!((window.first, window.size), ([1, 2], DVec2::new(8.0, 6.0)));
+        assert_eq!(window.corners(&grid), (DVec2::new(1010.0, 1920.0), DVec2::new(1090.0, 1980.0)));
+        for (every, cols, rows) in [(1, 8, 6), (3, 3, 2)] {
+            let picked = window.picked(&Cow::Borrowed(&a), every);
+            assert_eq!((picked.grid.cols, picked.grid.rows), (cols, rows));
+            for (k, height) in picked.values.iter().enumerate() {
+                let at = grid.place(picked.grid.center(k % cols, k / cols));
+                assert_eq!(f64::from(*height), at.x + 9.0 * at.y, "every {every}");
+            }
+        }
+        let nowhere = Dem { values: vec![f32::NAN; 72], ..a.clone() };
+        assert!(known(&a, &nowhere).is_none());
+    }
+
+    #[test]
+    fn the_largest_differences_are_apart() {
+        let grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 100, rows: 1 };
+        let differences: Vec<f32> = (0..100).map(|k| if k == 7 { f32::NAN } else { -(k as f32) }).collect();
+        let places = largest(&grid, &differences);
+        assert_eq!((places.len(), places[0]), (PINS, (DVec2::new(99.5, -0.5), -99.0)));
+        assert!(places.windows(2).all(|pair| pair[0].0.x - pair[1].0.x >= APART * 100.0));
+    }
+}
