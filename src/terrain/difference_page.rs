@@ -1,7 +1,5 @@
 //! The terrain of a comparison in 3-D with the differences on it, as a page: [`difference_page`].
 
-use std::borrow::Cow;
-
 use glam::DVec2;
 
 use super::compare::Pair;
@@ -158,7 +156,7 @@ impl Window {
     }
 
     /// Every so many of its cells of a height map.
-    fn picked(&self, dem: &Cow<'_, Dem>, every: usize) -> Dem {
+    fn picked(&self, dem: &Dem, every: usize) -> Dem {
         let Grid { cell, cols: width, .. } = dem.grid;
         let [cols, rows] = self.size.to_array().map(|size| (size as usize).div_ceil(every));
         let [col, row] = self.first;
@@ -204,7 +202,7 @@ mod tests {
         assert_eq!((window.first, window.size), ([1, 2], DVec2::new(8.0, 6.0)));
         assert_eq!(window.corners(&grid), (DVec2::new(1010.0, 1920.0), DVec2::new(1090.0, 1980.0)));
         for (every, cols, rows) in [(1, 8, 6), (3, 3, 2)] {
-            let picked = window.picked(&Cow::Borrowed(&a), every);
+            let picked = window.picked(&a, every);
             assert_eq!((picked.grid.cols, picked.grid.rows), (cols, rows));
             for (k, height) in picked.values.iter().enumerate() {
                 let at = grid.place(picked.grid.center(k % cols, k / cols));
