@@ -7,7 +7,8 @@ Makes a page with new contours at INTERVAL and a height map with cells of CELL, 
 the browser asks for nothing else and reports no error. Heights at the centres of cells and under the pointer must be those of the
 height map to a centimetre, the profile and its table to 1 %, area and volume at a level to 1 %. Each control must change what it says;
 texts must have the contrast of WCAG AA; all of it must work with keys. A name with HTML must do nothing. A browser without WebGL
-must show the flat picture, a damaged page a sentence. --pictures keeps pictures of all of them, also on a phone and on paper.
+must show the flat picture, a damaged page a sentence. The page of a comparison must have the differences of `compare -o` at the
+centres of cells and under the pointer, and begin with their colours. --pictures keeps pictures of all of them, also on a phone and on paper.
 
 Needs Chromium and the Python package playwright (which need not bring a browser). Without them, it says so and ends with status
 0. Otherwise, exit status 0: all of that holds; 1: some does not.
@@ -160,13 +161,46 @@ def controls(checks, page, keeps):
     checks.expect(ratio >= 4.5, f"the least contrast is {ratio:.1f}: {words!r}")
 
 
-def run(args, playwright, root, checks):
-    def tokosen(*words):
-        subprocess.run([args.command, *map(str, words), "-q"], check=True)
+def differences(args, browser, root, checks, keep):
+    """The page of a comparison with a plain triangulation has the differences of the raster."""
+    tokosen(args, "dem", args.contours, "--cell", args.cell, "--surface", "linear", "-o", root / "linear.tif")
+    tokosen(args, "compare", args.contours, root / "linear.tif", "--page", root / "differences.html", "-o", root / "differences.tif")
+    with rasterio.open(root / "differences.tif") as source:
+        raster, grid = source.read(1, masked=True).filled(np.nan).astype(float), source.transform
+    rows, cols = np.nonzero(np.isfinite(raster))
+    chosen = random.Random(2).sample(range(len(rows)), min(2000, len(rows)))
+    x, y = grid.c + (cols[chosen] + 0.5) * grid.a, grid.f + (rows[chosen] + 0.5) * grid.e
+    for name, size, locale in (("differences", (1280, 800), "en-US"), ("differences_phone", (390, 800), "ja-JP")):
+        with checks.page(browser, (root / "differences.html").as_uri(), name, locale=locale) as page:
+            page.set_viewport_size({"width": size[0], "height": size[1]})
+            page.wait_for_selector(".panel", timeout=60000)
+            settle(page)
+            mode = page.locator("select").first.input_value()
+            checks.expect(mode == "byDifference", f"{name}: the colours are {mode}")
+            keep(page, name)
+            if name != "differences":
+                continue
+            origin = np.array(page.evaluate("tokosen.data.origin"))
+            read = "places => places.map(([x, y]) => tokosen.data.ground.read(tokosen.data.differences, x, y))"
+            found = np.array(page.evaluate(read, (np.stack([x, y], 1) - origin).tolist()), dtype=float)
+            off = np.abs(found - raster[rows[chosen], cols[chosen]]).max()
+            checks.expect(off <= 0.001, f"differences at {len(chosen)} centres within {off:.4f} m")
+            page.mouse.move(640, 400)
+            page.locator(".readout").filter(has_text="A − B").wait_for(timeout=30000)
+            checks.expect(True, f"under the pointer: {page.inner_text('.readout')}")
+            worst = page.evaluate("tokosen.data.differences.reduce((most, d) => (Math.abs(d) > most ? Math.abs(d) : most), 0)")
+            first = float(page.locator(".findings li").first.text_content().split()[0])
+            checks.expect(abs(abs(first) - worst) <= 0.01, f"the first pin has {first} m, the largest difference {worst:.3f} m")
 
+
+def tokosen(args, *words):
+    subprocess.run([args.command, *map(str, words), "-q"], check=True)
+
+
+def run(args, playwright, root, checks):
     page_file = root / "terrain.html"
-    tokosen("mesh", args.contours, "-i", args.interval, "--cell", args.cell, "--uncertainty", "-o", page_file)
-    tokosen("dem", args.contours, "--cell", args.cell, "-o", root / "dem.tif")
+    tokosen(args, "mesh", args.contours, "-i", args.interval, "--cell", args.cell, "--uncertainty", "-o", page_file)
+    tokosen(args, "dem", args.contours, "--cell", args.cell, "-o", root / "dem.tif")
     with rasterio.open(root / "dem.tif") as source:
         heights, grid = source.read(1, masked=True).filled(np.nan).astype(float), source.transform
     size = page_file.stat().st_size
@@ -201,10 +235,11 @@ def run(args, playwright, root, checks):
         if checks.pictures:
             (checks.pictures / "print.pdf").write_bytes(paper)
 
+    differences(args, browser, root, checks, keep)
     evil = root / EVIL.replace("/", "_")
     evil = evil.with_name(evil.name + pathlib.Path(args.contours).suffix)
     shutil.copy(args.contours, evil)
-    tokosen("mesh", evil, "-o", root / "evil.html")
+    tokosen(args, "mesh", evil, "-o", root / "evil.html")
     with checks.page(browser, (root / "evil.html").as_uri(), "evil") as page:
         page.wait_for_selector(".panel")
         checks.expect(page.evaluate("window.harmed === undefined") and "<img" in page.inner_text(".panel h1"), "HTML in a name does nothing")

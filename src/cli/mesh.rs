@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::ElevationUnit;
 use tokosen::draw::preview::{Model, render_model};
-use tokosen::io::StagedOutput;
 use tokosen::io::mesh::{MESH_EXTENSIONS, PRINT_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
+use tokosen::io::{PLATE_EXTENSIONS, StagedOutput};
 use tokosen::mesh::{Light, Mesh, MeshParams, PrintParams};
+use tokosen::plates::PlateParams;
 use tokosen::surface::{Triangles, Uncertainty};
 use tokosen::terrain::HtmlParams;
 use tokosen::{GridSpec, Interval, Terrain};
@@ -19,9 +20,10 @@ use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::part::PartArgs;
 use super::picture::{Asked, Drawing};
+use super::plates::{PlateArgs, millimetres};
 use super::surface::SurfaceArgs;
 use super::terrain_page::PAGE_EXTENSIONS;
-use super::{summary, terrain_page};
+use super::{plates, summary, terrain_page};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
@@ -36,7 +38,7 @@ pub struct MeshArgs {
     input: InputArgs,
     /// Model to write: a page to look at in a browser (.html); PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb); a surface of
     /// triangles in map coordinates: LandXML 1.2 (.xml), or DXF with a 3DFACE for each triangle (.dxf); a solid to print: STL
-    /// (.stl) or 3MF (.3mf)
+    /// (.stl) or 3MF (.3mf); with --thickness, plates to cut with a laser: .svg or .dxf
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m] [default for
@@ -50,18 +52,20 @@ pub struct MeshArgs {
     /// Size of the cells of --tolerance and of a page [m] [default: those that the surface is made on]
     #[arg(long, value_name = "SIZE", help_heading = "Output")]
     cell: Option<f64>,
-    /// Interval of new contours in a page [metres]
+    /// Interval of new contours in a page, or between plates [metres]
     #[arg(short, long, value_name = "STEP", help_heading = "Output")]
     interval: Option<f64>,
     /// Expected errors as colours in a page
     #[arg(long, help_heading = "Output")]
     uncertainty: bool,
-    /// Length of the longer side of a model to print [mm] [default: 180]
+    /// Length of the longer side of a model to print or to cut [mm] [default: 180]
     #[arg(long, value_name = "LENGTH", value_parser = millimetres, help_heading = "Output")]
     size: Option<f64>,
-    /// Factor on heights of a model to print
+    /// Factor on heights of a model to print or to cut
     #[arg(long, alias = "exaggerate", value_name = "FACTOR", help_heading = "Output")]
     exaggeration: Option<f64>,
+    #[command(flatten, next_help_heading = "Output")]
+    plates: PlateArgs,
     /// Also draw an oblique view of the model with its contours, ridge and canyon lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -77,14 +81,9 @@ Examples:
   tokosen mesh contours.gpkg --tolerance 0.5 -o terrain.glb
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
   tokosen mesh contours.gpkg --size 180mm --exaggeration 1.5 -o print.3mf
+  tokosen mesh contours.gpkg --thickness 3mm -i 20 --size 300mm -o plates.svg
   tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
-
-/// A length such as 180 or 180mm.
-fn millimetres(text: &str) -> Result<f64, String> {
-    let number = text.trim().strip_suffix("mm").unwrap_or(text).trim().parse::<f64>();
-    number.ok().filter(|size| size.is_finite() && *size > 0.0).ok_or_else(|| "it must be a length such as 180mm".into())
-}
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,22 +92,26 @@ enum Form {
     Surface,
     Print,
     Page,
+    Plates,
 }
 
 impl MeshArgs {
     /// What the extension of the output asks for. Refuses flags that have no meaning for it.
     fn form(&self, console: &Console) -> Result<Form, Failure> {
-        let forms: [(Form, &[&str]); 4] = [
+        let forms: [(Form, &[&str]); 5] = [
             (Form::Page, &PAGE_EXTENSIONS),
             (Form::Model, &MESH_EXTENSIONS),
             (Form::Print, &PRINT_EXTENSIONS),
             (Form::Surface, &SURFACE_EXTENSIONS),
+            (Form::Plates, &PLATE_EXTENSIONS),
         ];
-        let known: Vec<&str> = forms.iter().flat_map(|(_, extensions)| *extensions).copied().collect();
+        let mut known: Vec<&str> = forms.iter().flat_map(|(_, extensions)| *extensions).copied().collect();
+        known.dedup();
         check_extension(&self.output, "models", &known)?;
         let kind = extension(&self.output);
         let is_own = |(form, own): &(Form, &[&str])| own.contains(&kind.as_str()).then_some(*form);
-        let form = forms.iter().find_map(is_own).unwrap_or(Form::Model);
+        let is_asked = |form: &Form| *form == Form::Plates || self.plates.thickness.is_none() || kind != "dxf";
+        let form = forms.iter().filter_map(is_own).find(is_asked).unwrap_or(Form::Model);
         let usage = |message: String| Err(Failure::Usage(message));
         for (flags, meaning, fits) in [
             (
@@ -116,14 +119,28 @@ impl MeshArgs {
                 "makes a solid: write .ply, .obj, .glb, .stl or .3mf",
                 matches!(form, Form::Model | Form::Print),
             ),
-            (&["--size", "--exaggeration"], "is for models to print: write .stl or .3mf", form == Form::Print),
-            (&["--interval", "--uncertainty"], "is for pages: write .html", form == Form::Page),
+            (&["--thickness", "--sheet"], "is for plates: write .svg or .dxf", form == Form::Plates),
+            (
+                &["--size", "--exaggeration"],
+                "is for models to print or to cut: write .stl or .3mf, or plates with --thickness",
+                matches!(form, Form::Print | Form::Plates),
+            ),
+            (
+                &["--interval"],
+                "is for pages and plates: write .html, or give --thickness",
+                matches!(form, Form::Page | Form::Plates),
+            ),
+            (&["--uncertainty"], "is for pages: write .html", form == Form::Page),
             (&["--preview"], "is for models: a page shows the terrain itself", form != Form::Page),
+            (&["--preview", "--tolerance", "--cell"], "is not for plates", form != Form::Plates),
             (&["--cell"], "needs --tolerance", form == Form::Page || self.tolerance.is_some()),
         ] {
             if let Some(flag) = console.flags.first(flags).filter(|_| !fits) {
                 return usage(format!("{}: {flag} {meaning}", self.output.display()));
             }
+        }
+        if form == Form::Plates && self.plates.thickness.is_none() {
+            return usage(format!("{}: plates need --thickness, such as 3mm", self.output.display()));
         }
         let lengths = [
             ("--tolerance", self.tolerance),
@@ -135,6 +152,14 @@ impl MeshArgs {
             Some((flag, value)) => usage(format!("{flag} is {}, it must be more than 0", value.unwrap_or_default())),
             None => Ok(form),
         }
+    }
+
+    /// The plates that are asked for.
+    fn plates(&self) -> Result<Option<PlateParams>, Failure> {
+        let PlateArgs { thickness, sheet } = self.plates;
+        thickness
+            .map(|thickness| plates::params(thickness, sheet, self.size, (self.interval, self.exaggeration)))
+            .transpose()
     }
 
     /// How few triangles there are to be, and where.
@@ -177,6 +202,7 @@ impl MeshArgs {
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let form = args.form(console)?;
+    let plates = args.plates()?;
     args.surface.check(&console.flags)?;
     let mut job = Job::start(
         &args.input,
@@ -192,9 +218,9 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let grid = args.cell.map(GridSpec::Cell);
     let mut options = args.surface.options(grid.as_ref(), Triangles::Smooth, ElevationUnit::Metre)?;
     options.uncertainty = if args.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown };
-    let terrain = job.build(&mut input, &args.surface, options)?;
-    let written = match form {
-        Form::Page => {
+    let mut terrain = job.build(&mut input, &args.surface, options)?;
+    let written = match (form, plates) {
+        (Form::Page, _) => {
             let params = HtmlParams {
                 title: args.input.map.title(),
                 target: args.interval.map(|step| Interval::every(step).into()),
@@ -203,18 +229,32 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
                 ..HtmlParams::default()
             };
             terrain_page::write(&staged, &terrain, &params, console)?;
-            None
+            Written::Page
         }
-        _ => Some(args.write(form, &terrain, &staged, &mut job, console)?),
+        (_, Some(params)) => {
+            let inputs = args.input.map.files()?;
+            let made = plates::write((&mut terrain, params), &staged, &inputs, console)?;
+            job.check_strict(&terrain.findings)?;
+            Written::Plates(made)
+        }
+        _ => Written::Model(args.write(form, &terrain, &staged, &mut job, console)?),
     };
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     match &written {
-        Some(mesh) => describe(&staged.commit()?, mesh, form, console),
-        None => terrain_page::commit(staged, console)?,
+        Written::Model(mesh) => describe(&staged.commit()?, mesh, form, console),
+        Written::Page => terrain_page::commit(staged, console)?,
+        Written::Plates(made) => made.commit(staged, console)?,
     }
     job.close_part(terrain.findings.len(), terrain.findings_outside)
+}
+
+/// What was written, still under a temporary name.
+enum Written {
+    Model(Mesh),
+    Page,
+    Plates(plates::Made),
 }
 
 /// The lines of the summary about a model.

@@ -44,6 +44,7 @@ mod picture;
 mod places;
 mod plan;
 mod plane;
+mod plates;
 mod profile;
 mod progress;
 mod regions;

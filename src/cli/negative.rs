@@ -133,6 +133,8 @@ mod tests {
         ("--supplementary", "-5,-2.5", Taken),
         ("--supplementary-spacing", "-100", Taken),
         ("--size", "-180", Refused),
+        ("--thickness", "-3", Refused),
+        ("--sheet", "-600x400", Refused),
         ("--tile-side", "-1", Refused),
         ("--jobs", "-1", Refused),
     ];
@@ -192,7 +194,7 @@ mod tests {
     }
 
     /// Rows of the table that apply, over all verbs.
-    const CASES: usize = 214;
+    const CASES: usize = 216;
 
     #[test]
     fn flags_and_files_stay_what_they_are() {

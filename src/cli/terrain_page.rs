@@ -1,4 +1,4 @@
-//! The page that shows a terrain in 3-D: of `mesh`, and `--page` of `densify`.
+//! The page that shows a terrain in 3-D: of `mesh`, and `--page` of `densify` and `compare`.
 
 use std::path::Path;
 
@@ -19,10 +19,14 @@ pub fn open(path: &Path) -> Result<StagedOutput, Failure> {
     Ok(StagedOutput::create(path)?)
 }
 
-/// Writes the page.
+/// Writes the page of a terrain.
 pub fn write(staged: &StagedOutput, terrain: &Terrain, params: &HtmlParams, console: &Console) -> Result<(), Failure> {
+    put(staged, &terrain.to_html(params, console)?, console)
+}
+
+/// Writes a page.
+pub fn put(staged: &StagedOutput, page: &str, console: &Console) -> Result<(), Failure> {
     let path = staged.path();
-    let page = terrain.to_html(params, console)?;
     let written = console.step("writing", || std::fs::write(&path, page));
     Ok(written.map_err(|e| staged.with_final_name(Error::io("write", &path, e)))?)
 }

@@ -23,6 +23,7 @@ pub mod features;
 pub mod geometry;
 pub mod layers;
 pub mod mesh;
+pub mod plates;
 pub mod raster;
 pub mod resample;
 pub mod skeleton;

@@ -39,6 +39,7 @@ mod meter;
 mod ordinary;
 mod paths;
 mod places;
+mod plates;
 pub mod raster;
 mod shapefile;
 mod sinks;
@@ -77,6 +78,7 @@ pub use maker::SAVED_RUN;
 pub use ordinary::{open_to_read, read_small};
 pub use paths::{PlannedOutput, check_paths, files_of_input};
 pub use places::{Paths, Places, read_paths, read_places};
+pub use plates::{PLATE_EXTENSIONS, sheet_files, write_plates};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
 

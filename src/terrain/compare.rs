@@ -33,7 +33,7 @@ pub struct Side {
     /// The height system, if the file names one.
     pub height_system: Option<HeightSystem>,
     /// The part of the surface that is compared, if it is not the whole.
-    part: Option<MultiPolygon<f64>>,
+    pub(super) part: Option<MultiPolygon<f64>>,
     /// The conversion between the plane of the surface and the coordinates of its contours.
     pub(super) reprojection: Option<Reprojection>,
 }

@@ -1,6 +1,6 @@
 //! A terrain in 3-D as a page: [`Terrain::to_html`].
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::clipped::clip_courses;
 use super::facade::Terrain;
@@ -9,7 +9,7 @@ use tokosen_core::base::error::Result;
 use tokosen_core::base::progress::Progress;
 use tokosen_core::contour::Target;
 use tokosen_core::layers::LayerParams;
-use tokosen_core::mesh::{Light, MeshParams};
+use tokosen_core::mesh::{Light, Mesh, MeshParams};
 use tokosen_core::raster::mask;
 use tokosen_core::skeleton::SkeletonKind;
 use tokosen_core::slice::label_layers;
@@ -17,9 +17,9 @@ use tokosen_core::surface::{standard_errors, water_cells};
 use tokosen_draw::terrain_page::{TerrainPage, terrain_page};
 
 /// Most cells of a page, if no size of cells is given: they are read within a second, and take some megabytes.
-const MOST_CELLS: f64 = 1e6;
+pub(super) const MOST_CELLS: f64 = 1e6;
 /// Largest distance of the triangles from the heights, in contour intervals: less than the width of a contour on most screens.
-const TOLERANCE: f64 = 0.05;
+pub(super) const TOLERANCE: f64 = 0.05;
 /// Height of the terrain that a page shows, at least: as a share of the diagonal of the map.
 const TALL: f64 = 0.12;
 /// Largest factor on heights that a page begins with.
@@ -79,11 +79,10 @@ impl Terrain {
         }
         let mut spots = surface.map.spots.clone();
         spots.extend(surface.map.soft_spots.iter().map(|spot| spot.place));
-        let (lowest, highest) = mesh.extent();
-        let times = (TALL * size.length() / (highest.z - lowest.z)).clamp(1.0, MOST_TIMES);
         Ok(terrain_page(&TerrainPage {
             title: &params.title,
             errors: standard_errors(surface, &heights),
+            differences: None,
             water: water_cells(surface, &heights.grid),
             heights: &heights,
             mesh: &mesh,
@@ -93,8 +92,15 @@ impl Terrain {
             lines,
             spots,
             findings: &self.findings,
-            exaggeration: if times.is_finite() { (times * 10.0).round() / 10.0 } else { 1.0 },
+            exaggeration: exaggeration(size, &mesh),
             units,
         }))
     }
+}
+
+/// The factor on heights that a page of a map of some size begins with.
+pub(super) fn exaggeration(size: DVec2, mesh: &Mesh) -> f64 {
+    let (lowest, highest) = mesh.extent();
+    let times = (TALL * size.length() / (highest.z - lowest.z)).clamp(1.0, MOST_TIMES);
+    if times.is_finite() { (times * 10.0).round() / 10.0 } else { 1.0 }
 }

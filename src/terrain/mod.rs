@@ -10,6 +10,8 @@ mod beside;
 mod clipped;
 mod compare;
 mod dem_area;
+#[cfg(feature = "draw")]
+mod difference_page;
 mod facade;
 #[cfg(feature = "io")]
 mod files;
@@ -30,6 +32,7 @@ mod places;
 mod plane;
 #[cfg(feature = "io")]
 mod planned;
+mod plates;
 mod plausible;
 mod preparation;
 mod prepare;
@@ -57,6 +60,8 @@ pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 #[cfg(feature = "io")]
 pub use dem_area::read_area_on;
 pub use dem_area::{area_on, extent_on};
+#[cfg(feature = "draw")]
+pub use difference_page::difference_page;
 pub use facade::Terrain;
 #[cfg(feature = "io")]
 pub use files::read_check_points;

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use geo::{Area, MultiPolygon, Polygon, polygon};
 use glam::DVec2;
-use tokosen::bands::{BandArea, BandKind, bands_of_height_map, bands_of_surface};
+use tokosen::bands::{BandArea, BandKind, areas_above, bands_of_height_map, bands_of_surface};
 use tokosen::base::error::{Finding, FindingKind};
 use tokosen::base::{ElevationUnit, Grid};
 use tokosen::clean::{CleanParams, clean};
@@ -76,6 +76,36 @@ fn check(areas: &[BandArea], size: f64, lines: &[ContourLine], target: &Target, 
     areas.iter().filter(is_wide).count()
 }
 
+/// Checks that the areas above each level are the bands above it, put together: each edge parts such a band from other ground, and
+/// the sizes are the same.
+fn check_above(bands: &[BandArea], what: &str) {
+    let from = |band: &BandArea| band.from.unwrap_or(f64::NEG_INFINITY);
+    let edges = |ring: &[DVec2]| ring.windows(2).map(|w| (key(w[0]), key(w[1]))).collect::<Vec<_>>();
+    let left: HashMap<(Key, Key), f64> =
+        bands.iter().flat_map(|band| band.rings.iter().flat_map(|r| edges(r)).map(|e| (e, from(band)))).collect();
+    let size = |rings: &[Vec<DVec2>]| rings.iter().map(|ring| signed_area(ring)).sum::<f64>();
+    let whole: f64 = bands.iter().map(|band| size(&band.rings)).sum();
+    let mut levels: Vec<f64> = bands.iter().map(from).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    for (level, areas) in levels.iter().zip(areas_above(bands, &levels)) {
+        let above: f64 = bands.iter().filter(|band| from(band) >= *level).map(|band| size(&band.rings)).sum();
+        let found: f64 = areas.iter().map(|rings| size(rings)).sum();
+        assert!((found - above).abs() <= 1e-9 * whole, "{what}: {found} of {above} above {level}");
+        let mut seen = HashSet::new();
+        for rings in &areas {
+            for (i, ring) in rings.iter().enumerate() {
+                assert_eq!(signed_area(ring) > 0.0, i == 0, "{what}: ring {i} above {level} turns the wrong way");
+                for (a, b) in edges(ring) {
+                    assert!(seen.insert((a, b)), "{what}: an edge of two areas above {level}");
+                    assert!(left[&(a, b)] >= *level, "{what}: ground below {level} in an area above it");
+                    assert!(left.get(&(b, a)).is_none_or(|from| from < level), "{what}: no border of {level}");
+                }
+            }
+        }
+    }
+}
+
 /// The heights of a terrain, some of them taken out.
 fn dem_of(terrain: &crate::common::Terrain, random: &mut Random) -> Dem {
     let corner = terrain.origin + DVec2::new(-0.5, 0.5) * terrain.cell;
@@ -113,6 +143,7 @@ fn contours_of_height_maps_divide_them() {
             let what = format!("terrain {k} of seed {seed}");
             assert_eq!(found.findings, [], "{what}");
             assert_eq!(check(&found.value, squares(&dem), &layer.lines, &target, 0, &what), 0, "{what}");
+            check_above(&found.value, &what);
         }
     }
 }
@@ -200,6 +231,7 @@ fn lakes_and_the_sea_are_areas_of_their_own() {
         let target = Target::Interval { step, base: 0.0 };
         let wide = check(&areas, surface.frame.area.unsigned_area(), &layer.lines, &target, 0, &what);
         assert!(wide == 0 && findings.is_empty(), "{what}: {wide} {findings:?}");
+        check_above(&areas, &what);
         let of = |kind: BandKind| areas.iter().filter(|area| area.kind == kind).collect::<Vec<_>>();
         let (lakes, seas) = (of(BandKind::Lake), of(BandKind::Sea));
         assert!(lakes.len() == 1 && !seas.is_empty(), "{what}: {} {}", lakes.len(), seas.len());

@@ -10,6 +10,7 @@ use serde_json::Value;
 use tokosen::io::raster::read_dem;
 
 use crate::common;
+use crate::guide_pages::{self, commands, inputs};
 use crate::running::part;
 
 /// These tests.
@@ -306,6 +307,64 @@ fn the_page_needs_nothing_else() {
     assert!(page.matches("<svg").count() >= 6 && page.contains("data:image/png;base64,"));
     assert!(!page.contains("<script") && !page.contains("<link"));
     assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+}
+
+/// The data of a page in 3-D.
+fn data_of(page: &str) -> Value {
+    let data = page.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
+    serde_json::from_str(data).unwrap()
+}
+
+#[test]
+fn differences_are_shown_on_the_terrain() {
+    let folder = with_sample();
+    let plane = |c: usize, r: usize| 100.0 + 2.0 * (c + r) as f64;
+    let odd = |c: usize, r: usize| if (c, r) == (8, 3) { 12.0 } else { 0.25 };
+    folder.put_grid("a.asc", 1000.0, [40, 30], plane);
+    folder.put_grid("b.asc", 1000.0, [40, 30], |c, r| if c < 5 { -9999.0 } else { plane(c, r) - odd(c, r) });
+    let said = folder.succeeds("compare a.asc b.asc --page page.html -o difference.tif");
+    assert!(said.contains("written    page.html"), "{said}");
+    let data = data_of(&fs::read_to_string(folder.path("page.html")).unwrap());
+    assert_eq!((&data["title"], number(&data["limit"])), (&"a.asc − b.asc".into(), 0.5));
+    let grid = &data["grid"];
+    assert_eq!((&grid["cols"], &grid["rows"], number(&grid["cell"])), (&35.into(), &30.into(), 10.0));
+    let largest = &data["findings"][0];
+    assert_eq!((&largest["message"], &largest["severity"]), (&"+12.00 m".into(), &"note".into()));
+    let place = |k: usize| number(&largest["place"][k]) + number(&data["origin"][k]);
+    assert_eq!([place(0), place(1)], [1085.0, 2265.0]);
+    assert!(data["packed"]["differences"].is_string() && data["lines"].as_object().unwrap().is_empty());
+
+    // On the plane of the contours, with these; the height map is in degrees.
+    folder.succeeds("dem in.gpkg --surface linear --cell-degrees 2s -o degrees.tif");
+    folder.succeeds("compare in.gpkg degrees.tif --surface skeleton --page metres.html");
+    let data = data_of(&fs::read_to_string(folder.path("metres.html")).unwrap());
+    assert!(data["crs"].as_str().unwrap().contains("UTM zone 16N") && data["lines"]["input"].is_string());
+    let cell = number(&data["grid"]["cell"]);
+    assert!((50.0..65.0).contains(&cell), "{cell}");
+    assert!((number(&data["origin"][0]) - 747_000.0).abs() < 3000.0, "{}", data["origin"]);
+    // Two height maps in degrees, one of which names no system; and contours as B.
+    folder.succeeds("dem in.gpkg --surface linear --cell-degrees 2s -o nameless.asc");
+    let _ = fs::remove_file(folder.path("nameless.prj"));
+    folder.succeeds("compare nameless.asc degrees.tif --page again.html");
+    let again = data_of(&fs::read_to_string(folder.path("again.html")).unwrap());
+    assert!(again["crs"].as_str().unwrap().contains("UTM zone 16N") && again["lines"].get("input").is_none());
+    folder.succeeds("compare degrees.tif in.gpkg --surface skeleton --page turned.html");
+    let turned = data_of(&fs::read_to_string(folder.path("turned.html")).unwrap());
+    assert_eq!(turned["grid"], data["grid"]);
+    folder.fails("compare a.asc b.asc --page page.pdf", 2, "pages are written as .html, .htm");
+}
+
+#[test]
+fn the_commands_of_the_guide_compare() {
+    let folder = inputs();
+    std::fs::copy(folder.path("published_dem.tif"), folder.path("mine.tif")).unwrap();
+    for (from, to) in [("contours.gpkg", "old_contours.gpkg"), ("contours.gpkg", "new_contours.gpkg")] {
+        std::fs::copy(folder.path(from), folder.path(to)).unwrap();
+    }
+    let commands = commands(include_str!("../../src/guide/comparing.md"));
+    assert_eq!(commands.len(), 4);
+    commands.into_iter().for_each(|command| assert!(!guide_pages::run(&folder, command).is_empty()));
+    assert!(folder.path("differences.html").exists());
 }
 
 #[test]

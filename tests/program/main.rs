@@ -42,6 +42,7 @@ mod paper;
 mod parts;
 mod phones;
 mod plane_units;
+mod plates;
 mod profile_volume;
 mod progress;
 mod running;

@@ -96,9 +96,9 @@ fn a_page_knows_its_lines() {
 fn flags_that_have_no_meaning_are_refused() {
     let folder = folder_with_part("in.gpkg");
     for (arguments, words) in [
-        ("-o a.ply --size 100", "--size is for models to print: write .stl or .3mf"),
-        ("-o a.glb --exaggeration 2", "--exaggeration is for models to print"),
-        ("-o a.ply -i 5", "--interval is for pages: write .html"),
+        ("-o a.ply --size 100", "--size is for models to print or to cut"),
+        ("-o a.glb --exaggeration 2", "--exaggeration is for models to print or to cut"),
+        ("-o a.ply -i 5", "--interval is for pages and plates"),
         ("-o a.stl --uncertainty", "--uncertainty is for pages"),
         ("-o a.ply --cell 5", "--cell needs --tolerance"),
         ("-o a.html --preview a.png", "--preview is for models"),

@@ -47,6 +47,9 @@ pub struct CompareArgs {
     /// Also write a report with maps, charts and tables: .html
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub report: Option<PathBuf>,
+    /// Also write a page that shows the terrain of A in 3-D with the differences as colours: .html
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub page: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     pub grid: GridArgs,
     #[command(flatten, next_help_heading = "Input")]
@@ -59,6 +62,7 @@ const EXAMPLES: &str = "\
 Examples:
   tokosen compare contours.gpkg published_dem.tif --report compare.html
   tokosen compare mine.tif published_dem.tif --sigma 5 -o difference.tif
+  tokosen compare contours.gpkg published_dem.tif --page differences.html
   tokosen compare old.gpkg new.gpkg --cell 10 --json
 
 Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same after subtracting the bias; MAE, the

@@ -14,7 +14,9 @@ use tokosen::draw::report::table;
 use tokosen::io::raster::{Quantity, RasterParams, write_rows};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content};
 use tokosen::surface::Uncertainty;
-use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, read_check_points, sentences};
+use tokosen::terrain::{
+    MeasureOptions, Pair, comparison_json, difference_page, measure, page, read_check_points, sentences,
+};
 
 use side::{ReadSides, Sides};
 
@@ -25,13 +27,14 @@ use super::height_map::ABOUT_GRID;
 use super::input::InputArgs;
 use super::surface::ABOUT_SURFACE;
 use super::unit::UnitArg;
-use super::{memory, summary};
+use super::{memory, summary, terrain_page};
 
 /// Runs the verb.
 pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let contents = check(args, console)?;
     let staged = args.output.as_deref().map(open_raster).transpose()?;
-    let page = args.report.as_deref().map(open_page).transpose()?;
+    let report = args.report.as_deref().map(open_page).transpose()?;
+    let page = args.page.as_deref().map(terrain_page::open).transpose()?;
 
     let mut findings = Vec::new();
     let pair = pair(args, contents, &mut findings, console)?;
@@ -57,8 +60,11 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         let written = console.step("writing", || write_rows(&staged.path(), &Difference { a, b }, &params));
         written.map_err(|e| staged.with_final_name(e))?;
     }
-    if let Some(staged) = &page {
+    if let Some(staged) = &report {
         draw(staged, &pair, &found, console)?;
+    }
+    if let Some(staged) = &page {
+        terrain_page::put(staged, &difference_page(&pair, &found, console)?, console)?;
     }
 
     summary::findings(&placed, console);
@@ -67,7 +73,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     } else {
         summarise(&pair, &found, console);
     }
-    for staged in [staged, page].into_iter().flatten() {
+    for staged in [staged, report, page].into_iter().flatten() {
         let path = staged.commit()?;
         if !args.json {
             console.say(&format!("written    {}", path.display()));
@@ -138,7 +144,8 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);
     let inputs: Vec<&Path> =
         files.chain(args.grid.like.as_deref()).chain(args.surface.files()).chain(args.shift.file()).collect();
-    let outputs: Vec<PlannedOutput<'_>> = args.output.iter().chain(&args.report).map(|p| p.as_path().into()).collect();
+    let outputs: Vec<PlannedOutput<'_>> =
+        [&args.output, &args.report, &args.page].into_iter().flatten().map(|p| p.as_path().into()).collect();
     console.check_paths(&inputs, &outputs)?;
     Ok(contents)
 }

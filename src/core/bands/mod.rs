@@ -10,8 +10,11 @@
 //!    of (`nest`).
 //! 4. The lines on the border of an area say which levels it lies between: higher ground is on their right.
 //!
+//! [`areas_above`] puts areas together that lie at or above a level.
+//!
 //! No polygons are intersected, so the time is nearly proportional to the number of vertices.
 
+mod above;
 mod graph;
 mod nest;
 mod of_height_map;
@@ -28,6 +31,8 @@ use crate::raster::equal_area;
 use crate::slice::signed_area;
 use graph::{Graph, Piece, Side};
 
+pub(crate) use above::runs;
+pub use above::{Rings, areas_above};
 pub use of_height_map::bands_of_height_map;
 pub use of_surface::bands_of_surface;
 

@@ -78,10 +78,25 @@ impl Border {
 
     /// The edges that meet a box, in no particular order; some may only be near it.
     pub fn near_box(&self, area: OrientedBox) -> impl Iterator<Item = (u32, Segment)> {
-        let boxes = self.boxes.get_or_init(|| {
+        self.boxes().near(area).map(|id| (id, self.edges[id as usize]))
+    }
+
+    /// The distance from a position to the border.
+    pub fn distance(&self, p: DVec2) -> f64 {
+        let mut best = f64::INFINITY;
+        for (id, least) in self.boxes().nearest_first(p) {
+            if least >= best {
+                break;
+            }
+            best = best.min(point_distance(p, &self.edges[id as usize]));
+        }
+        best
+    }
+
+    fn boxes(&self) -> &BoxTree {
+        self.boxes.get_or_init(|| {
             BoxTree::new(&parallel::map_each(&self.edges, |edge| OrientedBox::around(&[edge.a, edge.b])))
-        });
-        boxes.near(area).map(|id| (id, self.edges[id as usize]))
+        })
     }
 }
 

@@ -12,7 +12,8 @@ use std::collections::{BinaryHeap, HashMap, HashSet};
 use glam::{DVec2, DVec3};
 use robust::{Coord, incircle, orient2d};
 
-use super::{check_heights, shell};
+use super::check_heights;
+use super::outline::Outline;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::{Key, parallel};
@@ -24,22 +25,22 @@ const ON: f64 = 1e-6;
 /// Rows of a triangle reach this far beyond its edges, in cells. So each centre on an edge is seen from both sides.
 const MARGIN: f64 = 1e-9;
 
-/// The triangles of the ground inside the outline of `tin`, none of them further than `tolerance` (metres) from the height of a
+/// The triangles of the ground inside an outline, none of them further than `tolerance` (metres) from the height of a
 /// cell whose centre it covers. The outline keeps its corners; between them, its heights are within half of the tolerance.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for a tolerance that is not above 0. [`Error::Data`] if the triangles do not come within the tolerance. As
 /// [`triangulate`].
-pub(super) fn light(tin: &Tin, dem: &Dem, tolerance: f64) -> Result<Tin> {
+pub(super) fn light(outline: &Outline, dem: &Dem, tolerance: f64) -> Result<Tin> {
     if !(tolerance.is_finite() && tolerance > 0.0) {
         return Err(Error::out_of_range("tolerance", tolerance, "more than 0"));
     }
-    let mut mesh = Light::of_outline(tin, dem, tolerance)?;
+    let mut mesh = Light::of_outline(outline, dem, tolerance)?;
     // The second pass only finds something if a cell changed its triangle unseen.
     while mesh.look(0..mesh.triangles.len() as u32) {
         mesh.refine()?;
     }
-    Ok(mesh.tin(tin.origin))
+    Ok(mesh.tin(outline.origin))
 }
 
 /// The triangles up to now.
@@ -61,15 +62,14 @@ struct Light<'a> {
 }
 
 impl<'a> Light<'a> {
-    /// The outline of a triangulation, triangulated.
-    fn of_outline(tin: &Tin, dem: &'a Dem, tolerance: f64) -> Result<Self> {
+    /// An outline, triangulated.
+    fn of_outline(border: &Outline, dem: &'a Dem, tolerance: f64) -> Result<Self> {
         let grid = &dem.grid;
-        let place = |v: DVec3| grid.place(v.truncate() + tin.origin) * DVec2::new(1.0, -1.0);
-        let (vertices, _, border) = shell(tin);
-        check_heights(&vertices, tin.origin)?;
+        let place = |v: DVec3| grid.place(v.truncate() + border.origin) * DVec2::new(1.0, -1.0);
+        check_heights(&border.vertices, border.origin)?;
         let mut input = TinInput::new([DVec2::ZERO, DVec2::new(grid.cols as f64, grid.rows as f64)], -1.0);
         let (mut outline, mut edges) = (Vec::new(), Vec::new());
-        for ring in rings(&vertices, &border, &place, tolerance / 2.0) {
+        for ring in rings(&border.vertices, &border.edges, &place, tolerance / 2.0) {
             let first = outline.len();
             let mut at: Vec<DVec2> = ring.iter().map(|v| place(*v)).collect();
             for (at, v) in at.iter_mut().zip(&ring) {
@@ -105,7 +105,7 @@ impl<'a> Light<'a> {
             triangles,
             neighbours,
             queue: BinaryHeap::new(),
-            origin: tin.origin,
+            origin: border.origin,
         })
     }
 
@@ -337,7 +337,7 @@ impl<'a> Light<'a> {
 }
 
 /// The height of a cell at a whole-numbered place.
-fn height_at(dem: &Dem, at: DVec2) -> Option<f64> {
+pub(super) fn height_at(dem: &Dem, at: DVec2) -> Option<f64> {
     let (col, row) = (at.x as usize, (-at.y) as usize);
     let is_on = at.x >= 0.0 && at.y <= 0.0 && col < dem.grid.cols && row < dem.grid.rows;
     is_on.then(|| f64::from(dem.values[row * dem.grid.cols + col])).filter(|height| height.is_finite())

@@ -8,6 +8,7 @@
 mod cut;
 mod drawing;
 mod light;
+mod outline;
 mod print;
 mod validate;
 
@@ -23,6 +24,7 @@ use crate::subdomains::MapExtent;
 use crate::surface::{Surface, height_map};
 use crate::tin::Tin;
 
+use outline::Outline;
 pub use print::PrintParams;
 
 /// Marks a corner without a vertex yet.
@@ -104,8 +106,30 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
     if !(0..tin.len() as u32).any(|t| tin.is_inside(t)) {
         return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
     }
-    let few = params.light.map(|light| light::light(tin, &light.heights(surface), light.tolerance)).transpose()?;
-    let tin = few.as_ref().unwrap_or(tin);
+    let few = |light: Light| light::light(&Outline::of_tin(tin), &light.heights(surface), light.tolerance);
+    let few = params.light.map(few).transpose()?;
+    let mesh = of_tin(few.as_ref().unwrap_or(tin), surface.map.crs.as_ref())?;
+    match params.base {
+        Some(base) => mesh.closed(base),
+        None => Ok(mesh),
+    }
+}
+
+/// Few triangles between the centres of the cells of a height map, none further than `tolerance` (metres) from the height of a cell
+/// that it covers. Coordinates of the height map are in metres.
+///
+/// # Errors
+/// [`Error::Data`] if no four neighbouring cells have heights. [`Error::OutOfRange`] for a tolerance that is not above 0.
+pub fn height_mesh(dem: &Dem, tolerance: f64) -> Result<Mesh> {
+    let outline = Outline::of_cells(dem);
+    if outline.edges.is_empty() {
+        return Err(Error::Data("no four neighbouring cells have heights to make a mesh of".into()));
+    }
+    of_tin(&light::light(&outline, dem, tolerance)?, dem.crs.as_ref())
+}
+
+/// The triangles inside a triangulation as an open shell.
+fn of_tin(tin: &Tin, crs: Option<&Crs>) -> Result<Mesh> {
     let (vertices, triangles, _) = shell(tin);
     check_heights(&vertices, tin.origin)?;
     let mut mesh = Mesh {
@@ -115,14 +139,11 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
         normals: Vec::new(),
         triangles,
         base: None,
-        crs: surface.map.crs.clone(),
+        crs: crs.cloned(),
         unit: None,
     };
     mesh.normals = normals(&mesh, mesh.triangles.len());
-    match params.base {
-        Some(base) => mesh.closed(base),
-        None => Ok(mesh),
-    }
+    Ok(mesh)
 }
 
 /// Vertices, triangles, and border edges. The ground lies on the left of the edges.

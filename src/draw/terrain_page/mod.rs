@@ -46,7 +46,7 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 
                       base-uri 'none'; form-action 'none'";
 /// Heights are told to half of this, metres. A reader sees centimetres.
 const HEIGHT_STEP: f64 = 0.005;
-/// Expected errors, metres.
+/// Expected errors and differences, metres.
 const ERROR_STEP: f64 = 0.001;
 /// Places of lines and triangles, as a share of a cell.
 const PLACE_STEP: f64 = 0.01;
@@ -62,6 +62,8 @@ pub struct TerrainPage<'a> {
     pub heights: &'a Dem,
     /// Their standard errors, metres.
     pub errors: Option<Vec<f32>>,
+    /// Differences from other heights.
+    pub differences: Option<Differences>,
     /// Which cells are water.
     pub water: Option<Vec<bool>>,
     /// The triangles, without a bottom.
@@ -82,6 +84,17 @@ pub struct TerrainPage<'a> {
     pub exaggeration: f64,
     /// The units of heights.
     pub units: Units,
+}
+
+/// Differences from other heights, metres.
+#[derive(Debug, Clone)]
+pub struct Differences {
+    /// The differences in the cells, NaN where the other heights are missing.
+    pub values: Vec<f32>,
+    /// Colours reach from minus this to this.
+    pub limit: f64,
+    /// The places of the largest, and their differences.
+    pub places: Vec<(DVec2, f64)>,
 }
 
 /// The page as HTML.
@@ -121,6 +134,9 @@ fn data(page: &TerrainPage<'_>) -> Value {
     if let Some(errors) = &page.errors {
         packed["errors"] = cells(errors, ERROR_STEP).into();
     }
+    if let Some(differences) = &page.differences {
+        packed["differences"] = cells(&differences.values, ERROR_STEP).into();
+    }
     if let Some(water) = &page.water {
         let values: Vec<f32> = water.iter().map(|is| f32::from(u8::from(*is))).collect();
         packed["water"] = cells(&values, 1.0).into();
@@ -146,9 +162,13 @@ fn data(page: &TerrainPage<'_>) -> Value {
         let place = finding.place.map(|place| near(place).to_array());
         json!({ "severity": finding.kind.severity().name(), "message": finding.message, "place": place })
     });
+    let unit = page.units.heights;
+    let largest = page.differences.iter().flat_map(|differences| &differences.places).map(|(place, difference)| {
+        let message = format!("{:+.2} {}", unit.from_metres(*difference), unit.symbol());
+        json!({ "severity": "note", "message": message, "place": near(*place).to_array() })
+    });
     let labels = page.labels.iter().map(|label| near(label.position).extend(label.elevation).to_array());
     let spots = page.spots.iter().map(|spot| near(spot.truncate()).extend(spot.z).to_array());
-    let unit = page.units.heights;
     json!({
         "title": page.title,
         "unit": { "name": unit.symbol(), "size": unit.metres(1.0) },
@@ -158,11 +178,12 @@ fn data(page: &TerrainPage<'_>) -> Value {
         "step": { "height": HEIGHT_STEP, "error": ERROR_STEP, "place": step },
         "tolerance": page.tolerance,
         "times": page.exaggeration,
+        "limit": page.differences.as_ref().map(|differences| differences.limit),
         "packed": packed,
         "lines": lines,
         "labels": labels.collect::<Vec<_>>(),
         "spots": spots.collect::<Vec<_>>(),
-        "findings": shown.collect::<Vec<_>>(),
+        "findings": shown.chain(largest).collect::<Vec<_>>(),
         "leftOut": findings.len().saturating_sub(MOST_FINDINGS),
     })
 }

@@ -20,6 +20,7 @@ fn page_of(title: &str, findings: &[Finding]) -> String {
         title,
         heights: &heights,
         errors: None,
+        differences: None,
         water: None,
         mesh: &mesh,
         tolerance: 0.5,

@@ -11,6 +11,7 @@
 mod arc;
 mod blocks;
 mod copies;
+mod drawing;
 mod entity;
 mod groups;
 mod layers;
@@ -22,6 +23,8 @@ mod tables;
 mod unit;
 mod write;
 
+pub(super) use drawing::{Drawing, write_level};
 pub(super) use read::read;
+pub(super) use tables::Look;
 pub(super) use unit::code_of as unit_code;
 pub(super) use write::write;

@@ -6,7 +6,7 @@ use std::io::{BufWriter, Result as Written, Write};
 use std::path::Path;
 
 /// The DXF file that is being written.
-pub(super) struct GroupWriter {
+pub(crate) struct GroupWriter {
     file: BufWriter<File>,
     /// The next free handle.
     handle: u64,

@@ -14,13 +14,27 @@ const PAPER_SPACE: u64 = 0x24;
 /// later.
 const LAYERS: u64 = 0x2;
 
-/// Colour of contours, as an index into the AutoCAD palette: a brown.
-const COLOR: &str = "34";
-/// Colour of index contours: a darker brown.
-const INDEX_COLOR: &str = "36";
-/// Widths of drawn lines in hundredths of a millimetre.
-const WIDTH: &str = "13";
-const INDEX_WIDTH: &str = "30";
+/// How the lines of a layer look.
+#[derive(Clone, Copy)]
+pub(crate) struct Look {
+    /// Index into the AutoCAD palette.
+    color: &'static str,
+    /// Width of drawn lines in hundredths of a millimetre; 0 is the thinnest that a device has.
+    width: &'static str,
+}
+
+impl Look {
+    /// Contours: a brown.
+    pub const CONTOUR: Self = Self { color: "34", width: "13" };
+    /// Index contours: a darker brown.
+    pub const INDEX: Self = Self { color: "36", width: "30" };
+    /// Red hairlines.
+    pub const CUT: Self = Self { color: "1", width: "0" };
+    /// Blue hairlines.
+    pub const ENGRAVE: Self = Self { color: "5", width: "0" };
+    /// The layer `0`, which every drawing has.
+    const ZERO: Self = Self { color: "7", width: "-3" };
+}
 
 /// Tables before and after that of the layers: groups of a table and its entries, written unchanged.
 #[rustfmt::skip] // One line per entry.
@@ -70,17 +84,15 @@ const OBJECTS: &[(i32, &str)] = &[
     (0, "ENDSEC"),
 ];
 
-/// Writes the sections before the entities. The value of each layer says whether it holds index contours.
-pub(super) fn write(out: &mut GroupWriter, layers: &BTreeMap<&str, bool>, bounds: Bounds) -> Written<()> {
+/// Writes the sections before the entities.
+pub(super) fn write(out: &mut GroupWriter, layers: &BTreeMap<&str, Look>, bounds: Bounds) -> Written<()> {
     out.pairs(&[(0, "SECTION"), (2, "CLASSES"), (0, "ENDSEC"), (0, "SECTION"), (2, "TABLES")])?;
     write_view(out, bounds)?;
     out.pairs(BEFORE)?;
     out.pairs(&[(0, "TABLE"), (2, "LAYER"), (5, "2"), (330, "0"), (100, "AcDbSymbolTable")])?;
     out.put(70, layers.len() + 1)?;
-    let zero = [("0", ("7", "-3"))].into_iter();
-    let looks =
-        layers.iter().map(|(name, index)| (*name, if *index { (INDEX_COLOR, INDEX_WIDTH) } else { (COLOR, WIDTH) }));
-    for (name, (color, width)) in zero.chain(looks.filter(|(name, _)| *name != "0")) {
+    let others = layers.iter().map(|(name, look)| (*name, *look)).filter(|(name, _)| *name != "0");
+    for (name, Look { color, width }) in std::iter::once(("0", Look::ZERO)).chain(others) {
         out.begin("LAYER", LAYERS)?;
         out.pairs(&[(100, "AcDbSymbolTableRecord"), (100, "AcDbLayerTableRecord"), (2, name), (70, "0")])?;
         out.pairs(&[(62, color), (6, "Continuous"), (370, width)])?;

@@ -10,69 +10,32 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
+use super::drawing::{Drawing, write_level};
 use super::output::GroupWriter;
-use super::tables::{self, MODEL_SPACE};
-use super::unit;
-use crate::layer::{Bounds, Cell, Geometry, LABELS_LAYER, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
-use crate::maker::MADE_BY;
-use tokosen_core::base::error::{Error, Result};
+use super::tables::{Look, MODEL_SPACE};
+use crate::layer::{Cell, Geometry, LABELS_LAYER, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+use tokosen_core::base::error::Result;
 use tokosen_core::crs::Crs;
-
-/// Handles up to this one belong to the tables, larger ones to layers and entities.
-const FIRST_HANDLE: u64 = 0x100;
-/// The code of a comment.
-const COMMENT: i32 = 999;
 
 /// Writes one file. Of the system of the coordinates, the header states the unit.
 pub(crate) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<()> {
     let rows = || layers.iter().flat_map(|layer| layer.rows.iter().map(move |row| (layer, row)));
     let names: Vec<String> = rows().map(|(layer, row)| layer_name(layer, row)).collect();
-    let mut looks: BTreeMap<&str, bool> = BTreeMap::new();
-    for (name, (layer, row)) in names.iter().zip(rows()) {
-        looks.insert(name, is_index(layer, row));
-    }
-    let handles = looks.len() as u64 + rows().map(|(_, row)| handles_of(row)).sum::<u64>();
+    let look = |(layer, row)| if is_index(layer, row) { Look::INDEX } else { Look::CONTOUR };
+    let looks: BTreeMap<&str, Look> = names.iter().map(String::as_str).zip(rows().map(look)).collect();
     let bounds = rows().fold(NO_BOUNDS, |bounds, (_, row)| joined(bounds, row.shape.bounds()));
-    let bounds = if names.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
-    let drawn = crs.and_then(Crs::length_unit);
-    let run = || -> Written<()> {
-        let mut out = GroupWriter::create(path, FIRST_HANDLE)?;
-        out.put(COMMENT, MADE_BY)?;
-        write_header(&mut out, FIRST_HANDLE + handles + 1, unit::code_of(drawn.as_ref()), bounds)?;
-        tables::write(&mut out, &looks, bounds)?;
-        out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
-        for (name, (layer, row)) in names.iter().zip(rows()) {
-            match text_of(layer, row) {
-                Some(text) => text.write(&mut out, name)?,
-                None => write_shape(&mut out, name, &row.shape)?,
-            }
-        }
-        out.pairs(&[(0, "ENDSEC")])?;
-        tables::write_objects(&mut out)?;
-        out.pairs(&[(0, "EOF")])?;
-        out.flush()
+    let drawing = Drawing {
+        looks: &looks,
+        handles: rows().map(|(_, row)| handles_of(row)).sum(),
+        bounds: if names.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds },
+        unit: crs.and_then(Crs::length_unit),
     };
-    run().map_err(|e| Error::io("write", path, e))
-}
-
-fn write_header(
-    out: &mut GroupWriter,
-    next_handle: u64,
-    (unit, is_metric): (i64, bool),
-    [min_x, max_x, min_y, max_y]: Bounds,
-) -> Written<()> {
-    out.pairs(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")])?;
-    out.pairs(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED")])?;
-    out.put(5, format_args!("{next_handle:X}"))?;
-    out.pairs(&[(9, "$INSUNITS")])?;
-    out.put(70, unit)?;
-    out.pairs(&[(9, "$MEASUREMENT")])?;
-    out.put(70, u8::from(is_metric))?;
-    out.pairs(&[(9, "$EXTMIN")])?;
-    out.numbers(10, &[min_x, min_y, 0.0])?;
-    out.pairs(&[(9, "$EXTMAX")])?;
-    out.numbers(10, &[max_x, max_y, 0.0])?;
-    out.pairs(&[(0, "ENDSEC")])
+    drawing.write(path, |out| {
+        names.iter().zip(rows()).try_for_each(|(name, (layer, row))| match text_of(layer, row) {
+            Some(text) => text.write(out, name),
+            None => write_shape(out, name, &row.shape),
+        })
+    })
 }
 
 /// How many handles the entities of a feature need.
@@ -97,20 +60,6 @@ fn write_shape(out: &mut GroupWriter, layer: &str, shape: &Shape<'_>) -> Written
             Ok(())
         }
     }
-}
-
-fn write_level(out: &mut GroupWriter, layer: &str, points: &[DVec2], elevation: f64) -> Written<()> {
-    // A closed line does not repeat its first vertex. A line that only goes there and back is not closed.
-    let bits = |p: &DVec2| p.to_array().map(f64::to_bits);
-    let is_closed = points.len() > 3 && points.first().map(bits) == points.last().map(bits);
-    let points = if is_closed { &points[..points.len() - 1] } else { points };
-    out.begin_entity("LWPOLYLINE", MODEL_SPACE, layer)?;
-    out.pairs(&[(100, "AcDbPolyline")])?;
-    out.put(90, points.len())?;
-    out.put(70, u8::from(is_closed))?;
-    out.numbers(43, &[0.0])?;
-    out.numbers(38, &[elevation])?;
-    points.iter().try_for_each(|p| out.numbers(10, &p.to_array()))
 }
 
 fn write_climbing(out: &mut GroupWriter, layer: &str, points: &[DVec3]) -> Written<()> {

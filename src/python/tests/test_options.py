@@ -19,13 +19,13 @@ NO_ARGUMENTS = {
 RENAMED = {"elevation-field": "elevation", "no-extend": "extend"}
 # Flags whose work is another function or a method of the result: `Dem.to_file` has the unit of a height map, `Dem.shifted` brings
 # it to another height system, and a `Dem` has its
-# own system. `Terrain.to_html` makes the page of a model; models to print are made by the program.
+# own system. `Terrain.to_html` makes the page of a model; models to print and to cut are made by the program.
 LEFT_OUT = {
     "dem": {"to-unit", "vertical-shift", "vertical-shift-inverse"},
     "contour": {"crs", "vertical-shift", "vertical-shift-inverse"},
     "densify": {"dem", "cell", "cell-degrees", "like", "max-zoom", "tile-size", "compare"},
     "skeleton": {"triangles", "curve-mesh"},
-    "mesh": {"interval", "uncertainty", "size", "exaggeration"},
+    "mesh": {"interval", "uncertainty", "size", "exaggeration", "thickness", "sheet"},
     "derive": {
         "slope", "aspect", "hillshade", "steep", "flow-direction", "flow-accumulation", "catchments", "cell", "cell-degrees",
         "like", "to-crs",

@@ -58,7 +58,7 @@ fn no_cell_is_further_than_the_tolerance() {
         let base = ground(&dem, corners);
         let mut before = usize::MAX;
         for tolerance in [0.05, 0.5, 5.0] {
-            let few = light(&base, &dem, tolerance).unwrap();
+            let few = light(&Outline::of_tin(&base), &dem, tolerance).unwrap();
             let (worst, covered) = brute_force(&few, &dem);
             assert!(worst <= tolerance + 1e-6, "{worst} > {tolerance}");
             assert_eq!(covered, brute_force(&base, &dem).1);
@@ -75,8 +75,30 @@ fn cells_without_a_height_ask_for_nothing() {
     dem.values.iter_mut().for_each(|height| *height = 5.0);
     dem.values[7 * 20 + 7] = f32::NAN;
     let base = ground(&dem, &[(0.0, 0.0), (0.0, 19.0), (19.0, 19.0), (19.0, 0.0)]);
-    assert_eq!(light(&base, &dem, 0.1).unwrap().len(), 2);
-    assert!(light(&base, &dem, 0.0).is_err() && light(&base, &dem, f64::NAN).is_err());
+    assert_eq!(light(&Outline::of_tin(&base), &dem, 0.1).unwrap().len(), 2);
+    assert!(
+        light(&Outline::of_tin(&base), &dem, 0.0).is_err() && light(&Outline::of_tin(&base), &dem, f64::NAN).is_err()
+    );
+}
+
+#[test]
+fn a_height_map_has_triangles_between_its_centres_and_holes_where_heights_are_missing() {
+    let mut dem = hills(60, 40);
+    let missing = [20 * 60 + 20, 20 * 60 + 21, 35 * 60 + 59, 0];
+    missing.iter().for_each(|cell| dem.values[*cell] = f32::NAN);
+    let outline = Outline::of_cells(&dem);
+    let few = light(&outline, &dem, 0.5).unwrap();
+    let (worst, covered) = brute_force(&few, &dem);
+    assert!(worst <= 0.5 + 1e-6, "{worst}");
+    assert_eq!(covered, 60 * 40 - missing.len());
+    // The squares at one of two neighbours are six; at a side two; at a corner one.
+    let squares = 59.0 * 39.0 - 6.0 - 2.0 - 1.0;
+    assert!((area(&few) / (squares * 40.0) - 1.0).abs() < 1e-9, "{}", area(&few) / 40.0);
+    let mesh = crate::mesh::height_mesh(&dem, 0.5).unwrap();
+    mesh.validate().unwrap();
+    assert!((mesh.plan_area() - area(&few)).abs() < 1e-6 && mesh.triangles.len() == few.len());
+    dem.values.fill(f32::NAN);
+    assert!(crate::mesh::height_mesh(&dem, 0.5).is_err());
 }
 
 #[test]

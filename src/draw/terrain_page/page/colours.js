@@ -5,6 +5,8 @@ const RAMPS = {
   plain: ["#d8d2c6", "#d8d2c6"],
   bySlope: ["#f4f1e6", "#f6d98a", "#ee9a4d", "#cf4a3a", "#7d1d4c", "#2c0f35"],
   byError: ["#f1eef6", "#c3b6dc", "#9a86c4", "#7a4fa8", "#5b1f86", "#37094f"],
+  // Those of the report: the middle is 0.
+  byDifference: ["#184182", "#4382be", "#a0c8e0", "#f6f6f4", "#f5b08e", "#d45e4a", "#821428"],
 };
 // Each band between two contours in one colour.
 RAMPS.byBand = RAMPS.byHeight;
@@ -16,6 +18,10 @@ const LINES = {
   streams: { colour: "#0a66c2", width: 2.2 },
   breaks: { colour: "#111111", width: 2 },
 };
+// The colours of the ground that a page can show, and how the shader knows them. Errors and differences are values of cells.
+const SHADES = { byHeight: 0, byBand: 0, plain: 1, bySlope: 2, byError: 3, byDifference: 3 };
+// Where the difference is not known.
+const UNKNOWN = "#8d8d88";
 const WATER = "#7fb2d6";
 const FLOOD = "#2f74b5";
 
@@ -26,6 +32,7 @@ const STEEPEST = 60;
 function rangeOf(mode, data) {
   if (mode === "bySlope") return [0, STEEPEST];
   if (mode === "byError") return [0, data.errors.reduce((most, error) => (error > most ? error : most), 0) || 1];
+  if (mode === "byDifference") return [-data.limit, data.limit];
   return data.ground.range;
 }
 

@@ -97,6 +97,7 @@ async function readData() {
   data.ground = new Ground(data.grid, cellsOf(heights, data.grid, data.step.height));
   data.mesh = meshOf(vertices, corners, data.step.place);
   data.lines = Object.fromEntries(names.map((name, k) => [name, linesOf(lines[k], data.step.place)]));
+  if (data.packed.differences) data.differences = cellsOf(await open("differences"), data.grid, data.step.error);
   if (data.packed.errors) data.errors = cellsOf(await open("errors"), data.grid, data.step.error);
   if (data.packed.water) data.water = cellsOf(await open("water"), data.grid, 1);
   return data;

@@ -6,13 +6,14 @@ function drawFlat(canvas, data, units) {
   Object.assign(canvas, { width: cols, height: rows });
   const context = canvas.getContext("2d");
   const picture = context.createImageData(cols, rows);
-  const [low, high] = ground.range;
+  const mode = data.differences ? "byDifference" : "byHeight";
+  const [values, [low, high]] = [data.differences ?? heights, rangeOf(mode, data)];
   for (let k = 0; k < heights.length; k++) {
     if (Number.isNaN(heights[k])) continue;
     const off = (n, m) => (Number.isNaN(heights[n] ?? NaN) || Number.isNaN(heights[m] ?? NaN) ? 0 : (heights[n] - heights[m]) / (2 * cell));
     const [east, north] = [off(k + 1, k - 1), off(k - cols, k + cols)];
     const light = (0.5 * east - 0.5 * north + Math.SQRT1_2) / Math.hypot(east, north, 1);
-    const colour = data.water?.[k] > 0 ? parts(WATER) : colourAt(RAMPS.byHeight, (heights[k] - low) / (high - low || 1));
+    const colour = data.water?.[k] > 0 ? parts(WATER) : Number.isNaN(values[k]) ? parts(UNKNOWN) : colourAt(RAMPS[mode], (values[k] - low) / (high - low || 1));
     picture.data.set([...colour.map((part) => Math.min(part * (0.42 + 0.72 * Math.max(light, 0)), 255)), 255], 4 * k);
   }
   context.putImageData(picture, 0, 0);
@@ -26,5 +27,5 @@ function drawFlat(canvas, data, units) {
     }
   }
   document.body.classList.add("flat");
-  document.body.append(element("aside", { className: "panel", role: "status" }, element("h1", {}, data.title), element("p", {}, WORDS.flat), legendOf("byHeight", data, units)));
+  document.body.append(element("aside", { className: "panel", role: "status" }, element("h1", {}, data.title), element("p", {}, WORDS.flat), legendOf(mode, data, units)));
 }

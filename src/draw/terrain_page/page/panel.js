@@ -30,7 +30,7 @@ function legendOf(mode, data, units) {
   const box = element("div", { className: "legend" });
   if (mode !== "plain") {
     const [low, high] = rangeOf(mode, data);
-    const say = mode === "bySlope" ? (v) => `${units.number(v, 0)}°` : (v) => units.height(v, mode === "byError" ? 2 : 0);
+    const say = mode === "bySlope" ? (v) => `${units.number(v, 0)}°` : mode === "byDifference" ? (v) => units.difference(v, data.limit) : (v) => units.height(v, mode === "byError" ? 2 : 0);
     const bar = element("div", { className: "bar" });
     const stops = coloursOf(mode, data, 128).map((colour, k) => `rgb(${colour.map(Math.round)}) ${k / 1.28}% ${(k + 1) / 1.28}%`);
     bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
@@ -43,15 +43,17 @@ function legendOf(mode, data, units) {
   };
   Object.keys(LINES).filter((name) => data.lines[name]).forEach((name) => box.append(key(LINES[name].colour, Math.max(LINES[name].width, 2), WORDS[name])));
   if (data.water) box.append(key(WATER, 8, WORDS.water));
+  if (mode === "byDifference" && data.differences.some((d, k) => Number.isNaN(d) && !Number.isNaN(data.ground.heights[k]))) box.append(key(UNKNOWN, 8, WORDS.noDifference));
   return box;
 }
 
 function makePanel(view, data, units, { lines, marks, profile, choose }) {
   const { uniforms } = view;
-  const modes = ["byHeight", "byBand", "plain", "bySlope", ...(data.errors ? ["byError"] : [])];
+  const modes = [...(data.differences ? ["byDifference"] : []), "byHeight", "byBand", "plain", "bySlope", ...(data.errors ? ["byError"] : [])];
+  const wordsOf = (kind) => (kind === "findings" && data.differences ? WORDS.largest : WORDS[kind]);
   const legend = element("div");
   const setMode = (mode) => {
-    uniforms.mode.value = ["byHeight", "plain", "bySlope", "byError", "byBand"].indexOf(mode);
+    uniforms.mode.value = SHADES[mode];
     uniforms.ramp.value = rampTexture(mode, data);
     uniforms.range.value.set(...rangeOf(mode, data));
     legend.replaceChildren(legendOf(mode, data, units));
@@ -64,7 +66,7 @@ function makePanel(view, data, units, { lines, marks, profile, choose }) {
   const switches = [
     ...Object.entries(lines).map(([name, group]) => toggle(WORDS[name], true, (is) => (group.visible = is))),
     data.water && toggle(WORDS.water, true, (is) => (uniforms.showsWater.value = is)),
-    ...["labels", "spots", "findings"].filter((kind) => data[kind].length).map((kind) => toggle(WORDS[kind], true, (is) => (marks.shown[kind] = is))),
+    ...["labels", "spots", "findings"].filter((kind) => data[kind].length).map((kind) => toggle(wordsOf(kind), true, (is) => (marks.shown[kind] = is))),
   ].filter(Boolean);
 
   const setSun = () => {
@@ -119,10 +121,10 @@ function makePanel(view, data, units, { lines, marks, profile, choose }) {
     times.row, azimuth.row, altitude.row, levelMode.row, level.row, said,
     element("div", { className: "buttons" },
       button(WORDS.profile, () => profile.switch(!profile.isOn)), button(WORDS.home, view.home), button(WORDS.picture, picture), button(WORDS.print, () => print())),
-    data.findings.length ? element("details", { className: "findings" }, element("summary", {}, `${WORDS.findings} (${data.findings.length + data.leftOut})`), findings, data.leftOut ? element("p", {}, WORDS.more(data.leftOut)) : "") : "",
+    data.findings.length ? element("details", { className: "findings" }, element("summary", {}, `${wordsOf("findings")} (${data.findings.length + data.leftOut})`), findings, data.leftOut ? element("p", {}, WORDS.more(data.leftOut)) : "") : "",
     about);
   view.group.scale.z = uniforms.times.value = data.times;
-  setMode("byHeight");
+  setMode(modes[0]);
   setSun();
   setLevel();
   return { panel, legend, findings };

@@ -28,7 +28,7 @@ float value(sampler2D cells, vec2 at) {
 vec2 cellOf(vec2 p) { return vec2(p.x - first.x, first.y - p.y) / cell; }
 `;
 const GROUND = `${CELLS}
-uniform sampler2D errors;
+uniform sampler2D values;
 uniform sampler2D water;
 uniform sampler2D ramp;
 uniform int mode;
@@ -39,13 +39,16 @@ uniform int levelMode;
 uniform float level;
 uniform vec3 waterColour;
 uniform vec3 floodColour;
+uniform vec3 unknownColour;
 uniform bool showsWater;
 void main() {
   if (levelMode == 2 && place.z > level) discard;
   vec2 at = cellOf(place.xy);
   vec2 rise = vec2(value(heights, at + vec2(1, 0)) - value(heights, at - vec2(1, 0)), value(heights, at - vec2(0, 1)) - value(heights, at + vec2(0, 1))) / (2.0 * cell);
-  float shown = mode == 2 ? degrees(atan(length(rise))) : mode == 3 ? value(errors, at) : place.z;
+  float shown = mode == 2 ? degrees(atan(length(rise))) : mode == 3 ? value(values, at) : place.z;
   vec3 own = texture(ramp, vec2((shown - range.x) / max(range.y - range.x, 1e-6), 0.5)).rgb;
+  // One cell around without a value makes a mean far below all of them.
+  if (mode == 3 && shown < -9000.0) own = unknownColour;
   if (showsWater && texelFetch(water, clamp(ivec2(at + 0.5), ivec2(0), textureSize(water, 0) - 1), 0).r > 0.5) own = waterColour;
   if (levelMode == 1 && place.z < level) own = mix(own, floodColour, 0.55);
   float light = dot(normalize(vec3(-rise * times, 1.0)), sun);
@@ -63,6 +66,9 @@ void main() {
   if (value(heights, at) > place.z) discard;
   colour = vec4(floodColour, 0.5);
 }`;
+
+// The value of cells that have none: a quarter of it is still below all others.
+const MISSING = -1e6;
 
 function cellTexture(values, ground) {
   const texture = new THREE.DataTexture(values, ground.cols, ground.rows, THREE.RedFormat, THREE.FloatType);
@@ -94,7 +100,7 @@ function makeScene(canvas, data) {
   const rgb = (colour) => new THREE.Vector3(...parts(colour).map((part) => part / 255));
   const uniforms = {
     heights: { value: cellTexture(ground.filled(), ground) },
-    errors: { value: data.errors ? cellTexture(data.errors.map((e) => e || 0), ground) : cellTexture(none, one) },
+    values: { value: data.differences ? cellTexture(data.differences.map((d) => (Number.isNaN(d) ? MISSING : d)), ground) : data.errors ? cellTexture(data.errors.map((e) => e || 0), ground) : cellTexture(none, one) },
     water: { value: data.water ? cellTexture(data.water.map((w) => w || 0), ground) : cellTexture(none, one) },
     ramp: { value: null },
     mode: { value: 0 },
@@ -107,6 +113,7 @@ function makeScene(canvas, data) {
     level: { value: 0 },
     waterColour: { value: rgb(WATER) },
     floodColour: { value: rgb(FLOOD) },
+    unknownColour: { value: rgb(UNKNOWN) },
     showsWater: { value: Boolean(data.water) },
   };
   const material = (fragmentShader, options) =>

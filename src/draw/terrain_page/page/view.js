@@ -47,8 +47,9 @@ function watch(view, data, units, profile, { canvas, readout, cross, north, scal
     }
     const [x, y, z] = place;
     const slope = data.ground.slopeAt(x, y);
+    const difference = data.differences ? data.ground.read(data.differences, x, y) : NaN;
     const decimals = Math.abs(data.origin[0]) < 1000 && data.grid.cell < 1 ? 2 : 1;
-    readout.value = `${WORDS.height} ${units.height(z, 2)}${Number.isNaN(slope) ? "" : `, ${WORDS.slope} ${units.number(slope, 0)}°`} · ${(x + data.origin[0]).toFixed(decimals)} ${(y + data.origin[1]).toFixed(decimals)}`;
+    readout.value = `${WORDS.height} ${units.height(z, 2)}${Number.isNaN(slope) ? "" : `, ${WORDS.slope} ${units.number(slope, 0)}°`}${Number.isNaN(difference) ? "" : `, ${WORDS.difference} ${units.difference(difference)}`} · ${(x + data.origin[0]).toFixed(decimals)} ${(y + data.origin[1]).toFixed(decimals)}`;
   };
   const at = (event) => {
     const box = canvas.getBoundingClientRect();

@@ -44,4 +44,5 @@ cell size or a height map with the same grid.
         *shared.CLEANING,
         raster_output("--output", "Differences A - B", style="difference"),
         file_output("--report", "Report", shared.PAGE, optional=False),
+        file_output("--page", "Page in 3-D", shared.PAGE),
     ]

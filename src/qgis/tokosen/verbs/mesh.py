@@ -1,6 +1,6 @@
 """A 3-D model from contour lines."""
 from .. import shared
-from ..options import distance, file_output, number, yes
+from ..options import distance, file_output, number, text, yes
 from ..verb import STRUCTURE, Verb
 
 
@@ -8,10 +8,10 @@ class Mesh(Verb):
     command = "mesh"
     title = "3-D model from contours"
     place = STRUCTURE
-    keywords = ("3d", "mesh", "tin", "triangles", "model", "print", "ply", "obj", "gltf", "glb", "stl", "3mf", "html", "page", "web")
+    keywords = ("3d", "mesh", "tin", "triangles", "model", "print", "ply", "obj", "gltf", "glb", "stl", "3mf", "html", "page", "web", "laser", "layers", "plates", "svg", "dxf")
     about = """
-Makes a 3-D model (triangle mesh) from contour lines: PLY, Wavefront OBJ or binary glTF; a solid to print: STL or 3MF; or a page \
-that shows the terrain in a browser (HTML). The contours are edges of the triangles, unless few triangles are asked for.
+Makes a 3-D model (triangle mesh) from contour lines: PLY, Wavefront OBJ or binary glTF; a solid to print: STL or 3MF; plates to \
+cut with a laser: SVG or DXF, with the thickness of the material; or a page that shows the terrain in a browser (HTML). The contours are edges of the triangles, unless few triangles are asked for.
 
 The model is in metres, relative to an offset that the file states and the log shows. The model of a drawing in feet without \
 a coordinate reference system is in feet; a .glb is always in metres. With a height of the bottom, it is a closed solid for \
@@ -22,14 +22,16 @@ a coordinate reference system is in feet; a .glb is always in metres. With a hei
         number("--base-height", "Height of the bottom of a closed solid [m]"),
         distance("--tolerance", "Few triangles: largest distance from the surface"),
         distance("--cell", "Few triangles, page: cell size"),
-        number("--size", "STL, 3MF: length of the longer side [mm]"),
-        number("--exaggeration", "STL, 3MF: factor on heights"),
-        number("--interval", "Page: interval of new contours [m]"),
+        number("--size", "STL, 3MF, plates: length of the longer side [mm]"),
+        number("--exaggeration", "STL, 3MF, plates: factor on heights"),
+        number("--thickness", "Plates: thickness of the material [mm]"),
+        text("--sheet", "Plates: width and height of a sheet, such as 600x400 [mm]"),
+        number("--interval", "Page: interval of new contours; plates: interval between them [m]"),
         yes("--uncertainty", "Page: expected errors as colours"),
         *shared.TERRAIN,
         *shared.PART,
         *shared.SURFACE,
         *shared.CLEANING,
-        file_output("--output", "Model", "PLY (*.ply);;Wavefront OBJ (*.obj);;Binary glTF (*.glb);;STL (*.stl);;3MF (*.3mf);;Page (*.html)", optional=False),
+        file_output("--output", "Model", "PLY (*.ply);;Wavefront OBJ (*.obj);;Binary glTF (*.glb);;STL (*.stl);;3MF (*.3mf);;Plates (*.svg);;DXF (*.dxf);;Page (*.html)", optional=False),
         shared.PREVIEW,
     ]
