@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use robust::{Coord, incircle, orient2d};
 
 use super::check_heights;
-use super::outline::Outline;
+use super::outline::{Outline, height_at};
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::{Key, parallel};
@@ -334,13 +334,6 @@ impl<'a> Light<'a> {
             ..Tin::default()
         }
     }
-}
-
-/// The height of a cell at a whole-numbered place.
-pub(super) fn height_at(dem: &Dem, at: DVec2) -> Option<f64> {
-    let (col, row) = (at.x as usize, (-at.y) as usize);
-    let is_on = at.x >= 0.0 && at.y <= 0.0 && col < dem.grid.cols && row < dem.grid.rows;
-    is_on.then(|| f64::from(dem.values[row * dem.grid.cols + col])).filter(|height| height.is_finite())
 }
 
 /// Which triangles lie on the left of the edges between these places.

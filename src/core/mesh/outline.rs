@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3};
 
-use super::light::height_at;
 use super::shell;
 use crate::dem::derive::square_outlines;
 use crate::raster::Dem;
@@ -40,4 +39,11 @@ impl Outline {
         }
         Self { vertices, edges, origin }
     }
+}
+
+/// The height of a cell at a whole-numbered place.
+pub(super) fn height_at(dem: &Dem, at: DVec2) -> Option<f64> {
+    let (col, row) = (at.x as usize, (-at.y) as usize);
+    let is_on = at.x >= 0.0 && at.y <= 0.0 && col < dem.grid.cols && row < dem.grid.rows;
+    is_on.then(|| f64::from(dem.values[row * dem.grid.cols + col])).filter(|height| height.is_finite())
 }
