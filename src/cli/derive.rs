@@ -28,7 +28,7 @@ use super::light::LightArgs;
 use super::output::write_if_asked;
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
-use super::surface::{ABOUT_SURFACE, SurfaceArgs};
+use super::surface::{SurfaceArgs, about_surface};
 use super::unit::UnitArg;
 use super::vertical_shift::{Shift, ShiftArgs};
 use super::{memory, summary};
@@ -238,7 +238,7 @@ impl DeriveArgs {
         let for_contours = flags
             .first(ABOUT_GRID.iter().chain(&["--to-crs", "--base", "--points"]))
             .or_else(|| InputArgs::about_contours(flags, Some("--plane-unit")))
-            .or_else(|| flags.first(["--extent", "--clip"].iter().chain(&ABOUT_SURFACE)));
+            .or_else(|| flags.first(&["--extent", "--clip"]).or_else(|| about_surface(flags)));
         if let Some(flag) = for_contours.filter(|_| is_raster) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map")));
         }

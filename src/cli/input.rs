@@ -1,6 +1,7 @@
 //! The arguments about the input: the map, and how its lines are prepared.
 
 use clap::Args;
+use tokosen::features::{Role, Serves};
 use tokosen::resample::{Fitted, Sampled};
 use tokosen::terrain::Preparation;
 use tokosen::{GridSpec, Input};
@@ -53,8 +54,9 @@ impl InputArgs {
     /// The first flag that applies to contours, if one is given; a run without contours must not ignore it. `but` is a flag
     /// that applies to height maps too.
     pub fn about_contours(flags: &Flags, but: Option<&str>) -> Option<&'static str> {
-        let all = ABOUT_CONTOURS.iter().chain(&["--fit", "--sample"]);
-        flags.first(all.filter(|flag| Some(**flag) != but))
+        let of_roles = Role::all().filter(|role| role.serves() == Serves::Contours).map(Role::flag);
+        let all = ABOUT_CONTOURS.into_iter().chain(["--fit", "--sample"]).chain(of_roles);
+        all.filter(|flag| Some(*flag) != but).find(|flag| flags.has(flag))
     }
 
     /// Reads and prepares the map. A height map that is too large is refused before the preparation.

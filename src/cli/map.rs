@@ -99,14 +99,11 @@ impl RepairArg {
 /// Default of `--snap`.
 const SNAP: f64 = 0.01;
 
-/// The flags that apply to contours alone.
-pub const ABOUT_CONTOURS: [&str; 13] = [
+/// The flags that apply to contours alone, beside those of roles.
+pub const ABOUT_CONTOURS: [&str; 10] = [
     "--elevation-field",
     "--layer",
     "--points-sigma",
-    "--exclude",
-    "--cliffs",
-    "--coast",
     "--unit",
     "--plane-unit",
     "--depths",

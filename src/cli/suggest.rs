@@ -5,8 +5,9 @@ use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, Error};
+use tokosen::features::Role;
 
-/// Flags of other programs, and the flag here.
+/// Flags of other programs, and the flag here. Those of lines, polygons and points beside the contours are in [`Role`].
 const KNOWN: &[(&str, &[&str])] = &[
     ("--extent", &["bbox", "te", "spat", "projwin", "bounds", "box", "region", "aoi", "projwin_srs", "window"]),
     ("--clip", &["cutline", "mask", "clipsrc", "clip-to", "polygon"]),
@@ -15,13 +16,7 @@ const KNOWN: &[(&str, &[&str])] = &[
     ("--crs", &["s_srs", "s-srs", "a_srs", "a-srs", "epsg", "srs", "src-crs", "input-crs"]),
     ("--cell", &["size", "res", "tr", "cell-size", "cellsize", "pixel-size", "pixel", "spacing", "gsd"]),
     ("--elevation-field", &["field", "attribute", "attr", "zfield", "z-field", "height-field", "elev", "elev-field"]),
-    ("--water", &["lakes", "lake", "waterbodies", "hydro"]),
-    ("--breaklines", &["break-lines", "breakline", "break-line", "hardlines", "edges", "structure-lines"]),
-    ("--cliffs", &["cliff", "faults", "fault", "barriers", "scarps"]),
-    ("--streams", &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"]),
     ("--base", &["background", "fallback", "fill-dem", "fill-from"]),
-    ("--coast", &["coastline", "coast-line", "shoreline"]),
-    ("--sinks", &["sink", "depressions", "pits"]),
     ("--drain", &["fill", "breach", "fill-depressions", "drainage-enforcement", "enforce", "hydro-enforce"]),
     ("--points", &["spots", "spot-heights", "heights", "spot-elevations"]),
     ("--save-run", &["save-config", "record", "dump-config", "save-parameters"]),
@@ -110,7 +105,9 @@ fn with_known_flag(mut error: Error, mut program: Command, arguments: &[OsString
         _ => return error,
     };
     let bare = given.split('=').next().unwrap_or_default().trim_start_matches('-').to_ascii_lowercase();
-    let right = KNOWN.iter().find(|(_, others)| others.contains(&bare.as_str())).map(|(right, _)| *right);
+    let of_roles = Role::all().map(|role| (role.flag(), role.also()));
+    let mut known = KNOWN.iter().copied().chain(of_roles);
+    let right = known.find(|(_, others)| others.contains(&bare.as_str())).map(|(right, _)| right);
     // Building gives each verb the flags that all have.
     program.build();
     let verb = arguments.iter().find_map(|word| program.find_subcommand(word).cloned());
@@ -144,6 +141,7 @@ mod tests {
             ("tokosen dem a.gpkg --cell 10m -o b.tif", "give the number alone, 10;"),
             ("tokosen dem a.gpkg --cell ten -o b.tif", "invalid float literal"),
             ("tokosen dem a.gpkg --bbox 1,2,3,4 -o a.tif", "--extent"),
+            ("tokosen dem a.gpkg --rivers b.gpkg --cell 5 -o a.tif", "--streams"),
             ("tokosen densify a.gpkg -i 5 --size 5 -o b.gpkg", "--cell"),
             ("tokosen FG-GML-5437.zip", "'tokosen check FG-GML-5437.zip' says what is in it"),
             ("tokosen cut-fill a.tif", "tokosen volume --help"),

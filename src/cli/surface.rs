@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::builder::TypedValueParser;
 use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
+use tokosen::features::{Role, Serves};
 use tokosen::io::VectorSource;
 use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
@@ -52,28 +53,29 @@ pub struct SurfaceArgs {
 /// Default of `--resolution`.
 const RESOLUTION: f64 = 1.0;
 
-/// The flags about the surface. A run without contours makes none.
-pub const ABOUT_SURFACE: [&str; 12] = [
-    "--surface",
-    "--frame",
-    "--water",
-    "--sea",
-    "--streams",
-    "--breaklines",
-    "--resolution",
-    "--tension",
-    "--noise",
-    "--tune",
-    "--sinks",
-    "--drain",
+/// The flags about the surface beside those of [`Role`]s, and what each serves.
+const ABOUT_SURFACE: [(&str, Serves); 8] = [
+    ("--surface", Serves::Surface),
+    ("--frame", Serves::Surface),
+    ("--sea", Serves::Surface),
+    ("--resolution", Serves::Skeleton),
+    ("--tension", Serves::Spline),
+    ("--noise", Serves::Spline),
+    ("--tune", Serves::Surface),
+    ("--drain", Serves::Spline),
 ];
 
-/// Those without a meaning for `--surface linear`.
-const NOT_LINEAR: [&str; 7] =
-    ["--resolution", "--streams", "--breaklines", "--tension", "--noise", "--sinks", "--drain"];
+/// The first given flag about the surface that serves nothing before `from`.
+fn about(flags: &Flags, from: Serves) -> Option<&'static str> {
+    let of_roles = Role::all().map(|role| (role.flag(), role.serves()));
+    let mut all = ABOUT_SURFACE.into_iter().chain(of_roles);
+    all.find(|(flag, serves)| *serves >= from && flags.has(flag)).map(|(flag, _)| flag)
+}
 
-/// Those without a meaning for `--surface skeleton`.
-const SMOOTH_ONLY: [&str; 4] = ["--tension", "--noise", "--sinks", "--drain"];
+/// The first given flag about the surface. A run without contours makes none.
+pub fn about_surface(flags: &Flags) -> Option<&'static str> {
+    about(flags, Serves::Surface)
+}
 
 /// Those about pits. The summary reports pits if one of them is given.
 pub const ABOUT_PITS: [&str; 2] = ["--sinks", "--drain"];
@@ -157,12 +159,12 @@ impl SurfaceArgs {
 
     /// Refuses flags that have no meaning for this kind of surface.
     pub fn check(&self, flags: &Flags) -> Result<(), Failure> {
-        let unused: &[&str] = match self.surface {
-            KindArg::Linear => &NOT_LINEAR,
-            KindArg::Skeleton => &SMOOTH_ONLY,
-            KindArg::Spline => &[],
+        let unused = match self.surface {
+            KindArg::Linear => about(flags, Serves::Skeleton),
+            KindArg::Skeleton => about(flags, Serves::Spline),
+            KindArg::Spline => None,
         };
-        match flags.first(unused) {
+        match unused {
             Some(flag) => {
                 let kind = self.surface.kind().name();
                 Err(Failure::Usage(format!("{flag} has no meaning for --surface {kind}")))

@@ -25,17 +25,59 @@ pub enum Role {
     Sinks,
 }
 
-/// The words about a role.
+/// The shapes that features in a role may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shapes {
+    /// Lines.
+    Lines,
+    /// Polygons.
+    Polygons,
+    /// Lines or polygons.
+    LinesOrPolygons,
+    /// Lines; polygons only count where there are no lines.
+    LinesElsePolygons,
+    /// Points or polygons.
+    PointsOrPolygons,
+}
+
+impl Shapes {
+    /// In words: `lines or polygons`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Lines => "lines",
+            Self::Polygons => "polygons",
+            Self::LinesOrPolygons | Self::LinesElsePolygons => "lines or polygons",
+            Self::PointsOrPolygons => "points or polygons",
+        }
+    }
+}
+
+/// What features in a role are for. Each also serves what comes after it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Serves {
+    /// The contours themselves, also where no surface is made.
+    Contours,
+    /// Every surface.
+    Surface,
+    /// Surfaces with ridge and canyon lines.
+    Skeleton,
+    /// The smooth surface alone.
+    Spline,
+}
+
+/// What is known about a role.
 struct Words {
     role: Role,
-    /// The name of the option, in all front ends.
-    name: &'static str,
+    /// The flag, with the name of the option in all front ends.
+    flag: &'static str,
+    /// The names that other programs have for it.
+    also: &'static [&'static str],
     /// One feature, for messages.
     one: &'static str,
-    /// The shapes of its features, as a sentence.
-    shapes: &'static str,
-    /// The heights of its features, for messages about their unit.
-    heights: &'static str,
+    /// Several features, for messages.
+    many: &'static str,
+    shapes: Shapes,
+    serves: Serves,
     /// The finding about a feature of a file that cannot be one.
     left_out: FindingKind,
     /// The finding about a feature that has no place on the working plane.
@@ -46,64 +88,78 @@ struct Words {
 const ROLES: [Words; 7] = [
     Words {
         role: Role::Coast,
-        name: "coast",
+        flag: "--coast",
+        also: &["coastline", "coast-line", "shoreline"],
         one: "coast",
-        shapes: "a coast is lines or polygons",
-        heights: "the levels of the coast",
+        many: "coasts",
+        shapes: Shapes::LinesOrPolygons,
+        serves: Serves::Contours,
         left_out: FindingKind::CoastOutside,
         outside: FindingKind::CoastOutside,
     },
     Words {
         role: Role::Exclude,
-        name: "exclude",
+        flag: "--exclude",
+        also: &[],
         one: "part to leave out",
-        shapes: "parts to leave out are polygons",
-        heights: "",
+        many: "parts to leave out",
+        shapes: Shapes::Polygons,
+        serves: Serves::Contours,
         left_out: FindingKind::SkippedFeature,
         outside: FindingKind::SkippedFeature,
     },
     Words {
         role: Role::Cliffs,
-        name: "cliffs",
+        flag: "--cliffs",
+        also: &["cliff", "faults", "fault", "barriers", "scarps"],
         one: "cliff",
-        shapes: "cliffs are lines",
-        heights: "",
+        many: "cliffs",
+        shapes: Shapes::Lines,
+        serves: Serves::Contours,
         left_out: FindingKind::CliffLeftOut,
         outside: FindingKind::CliffLeftOut,
     },
     Words {
         role: Role::Water,
-        name: "water",
+        flag: "--water",
+        also: &["lakes", "lake", "waterbodies", "hydro"],
         one: "lake",
-        shapes: "lakes are polygons",
-        heights: "the heights of the lakes",
+        many: "lakes",
+        shapes: Shapes::Polygons,
+        serves: Serves::Surface,
         left_out: FindingKind::SkippedFeature,
         outside: FindingKind::SkippedFeature,
     },
     Words {
         role: Role::Streams,
-        name: "streams",
+        flag: "--streams",
+        also: &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"],
         one: "stream",
-        shapes: "streams are lines",
-        heights: "",
+        many: "streams",
+        shapes: Shapes::LinesElsePolygons,
+        serves: Serves::Skeleton,
         left_out: FindingKind::StreamLeftOut,
         outside: FindingKind::StreamOutside,
     },
     Words {
         role: Role::BreakLines,
-        name: "breaklines",
+        flag: "--breaklines",
+        also: &["break-lines", "breakline", "break-line", "hardlines", "edges", "structure-lines"],
         one: "break line",
-        shapes: "break lines are lines",
-        heights: "the heights of the break lines",
+        many: "break lines",
+        shapes: Shapes::Lines,
+        serves: Serves::Skeleton,
         left_out: FindingKind::BreakLineLeftOut,
         outside: FindingKind::BreakLineLeftOut,
     },
     Words {
         role: Role::Sinks,
-        name: "sinks",
+        flag: "--sinks",
+        also: &["sink", "depressions", "pits"],
         one: "sink",
-        shapes: "sinks are points or polygons",
-        heights: "",
+        many: "sinks",
+        shapes: Shapes::PointsOrPolygons,
+        serves: Serves::Spline,
         left_out: FindingKind::SinkOutside,
         outside: FindingKind::SinkOutside,
     },
@@ -111,32 +167,52 @@ const ROLES: [Words; 7] = [
 
 impl Role {
     /// All roles, in the order in which an input takes them.
-    pub fn all() -> impl Iterator<Item = Self> {
+    pub fn all() -> impl Iterator<Item = Self> + Clone {
         ROLES.iter().map(|words| words.role)
     }
 
-    fn words(self) -> &'static Words {
+    const fn words(self) -> &'static Words {
         &ROLES[self as usize]
+    }
+
+    /// The flag for files in this role: `--streams`, `--breaklines`.
+    pub fn flag(self) -> &'static str {
+        self.words().flag
     }
 
     /// The name of the option for files in this role, in all front ends: `streams`, `breaklines`.
     pub fn name(self) -> &'static str {
-        self.words().name
+        self.flag().trim_start_matches('-')
+    }
+
+    /// The names that other programs have for this option.
+    pub fn also(self) -> &'static [&'static str] {
+        self.words().also
     }
 
     /// One feature in this role, for messages.
-    pub fn one(self) -> &'static str {
+    pub const fn one(self) -> &'static str {
         self.words().one
     }
 
-    /// Which shapes features in this role have, as a sentence.
-    pub fn shapes(self) -> &'static str {
+    /// Several features in this role, for messages.
+    pub const fn many(self) -> &'static str {
+        self.words().many
+    }
+
+    /// The shapes that features in this role may have.
+    pub fn shapes(self) -> Shapes {
         self.words().shapes
     }
 
-    /// The heights of features in this role, for messages.
-    pub fn heights(self) -> &'static str {
-        self.words().heights
+    /// Which shapes features in this role have, as a sentence: `streams are lines or polygons`.
+    pub fn sentence(self) -> String {
+        format!("{} are {}", self.many(), self.shapes().words())
+    }
+
+    /// What features in this role are for.
+    pub fn serves(self) -> Serves {
+        self.words().serves
     }
 
     /// The kind of the finding about a feature of a file that cannot be one.

@@ -101,7 +101,7 @@ fn for_each_line(
     let mut findings = std::mem::take(&mut table.findings);
     if table.features.iter().all(|feature| feature.lines.is_empty()) {
         let found = table.found_words();
-        return Err(Error::file(path, format!("there is no line in it{found}; {}", role.shapes())));
+        return Err(Error::file(path, format!("there is no line in it{found}; {}", role.sentence())));
     }
     let (one, left_out) = (role.one(), role.left_out());
     for feature in table.features {

@@ -16,7 +16,7 @@ use super::unit_words::LengthWord;
 use tokosen_core::base::error::{Finding, FindingKind};
 use tokosen_core::contour::UnitHint;
 use tokosen_core::crs::{Crs, HeightSystem, LengthUnit};
-use tokosen_core::features::Role;
+use tokosen_core::features::{Role, Shapes};
 
 /// What the caller requests from a reader.
 pub(super) struct Request<'a> {
@@ -223,7 +223,7 @@ impl Table {
             wants_sigmas: request.purpose == Purpose::Spots,
             wants_polygons: match request.purpose {
                 Purpose::Area => true,
-                Purpose::Features(role) => !matches!(role, Role::Cliffs | Role::BreakLines),
+                Purpose::Features(role) => role.shapes() != Shapes::Lines,
                 Purpose::Contours | Purpose::Spots | Purpose::Places => false,
             },
             wants_rings: request.purpose == Purpose::Contours,
@@ -243,7 +243,7 @@ impl Table {
         });
         let kinds: Vec<(&str, u64)> = kinds.chain(also).filter(|(_, count)| *count > 0).collect();
         for (what, count) in kinds {
-            let message = format!("{}: {count} {what} left out; {}", path.display(), role.shapes());
+            let message = format!("{}: {count} {what} left out; {}", path.display(), role.sentence());
             self.findings.push(Finding::general(FindingKind::SkippedFeature, message));
         }
     }

@@ -76,7 +76,6 @@ impl Terrain {
         if input.map.contours.is_empty() {
             return Err(Error::NoContours { in_polygon: false });
         }
-        input.report_sides_elsewhere();
         let is_whole = input.part.is_none() && input.frame.polygon().is_none();
         let (mut params, given) = (input.surface_params(options, cells.as_ref()), input.given(options));
         let part = input.part.take().map(|area| Part::new(area, &input.map)).transpose()?;

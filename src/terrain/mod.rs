@@ -44,7 +44,6 @@ mod sample;
 mod samples;
 #[cfg(feature = "io")]
 mod sheets;
-mod sides;
 #[cfg(all(test, feature = "io"))]
 mod tests;
 mod units;

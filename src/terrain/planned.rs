@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use super::beside::Beside;
 use super::grid::GridSpec;
-use super::input::{Input, given, surface_params};
+use super::input::{Input, surface_params};
 use super::options::Options;
 use super::part::{Part, box_area};
 use tokosen_core::base::error::{Error, FindingKind, Report, Result, Severity};
@@ -16,7 +16,7 @@ use tokosen_core::contour::{ContourMap, Lake};
 use tokosen_core::spline::Wanted;
 use tokosen_core::subdivision::{SAME_LEVEL, Water, subdivide_with_water};
 use tokosen_core::subdomains::{Frame, frame_ring};
-use tokosen_core::surface::{Surface, SurfaceParams, Uncertainty, Whole, build, whole_map};
+use tokosen_core::surface::{Given, Surface, SurfaceParams, Uncertainty, Whole, build, whole_map};
 
 /// The frame of a whole map.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,7 +126,6 @@ impl Input {
             options.sea.into_iter().for_each(|sea| self.expect_level(sea));
             self.prepare(&options.preparation, progress)?;
         }
-        self.report_sides_elsewhere();
         let cells = options.cells(&self.reprojection)?;
         let frame = self.frame.clone();
         let beside = Beside {
@@ -181,7 +180,7 @@ pub(crate) fn tile_surface(map: ContourMap, tile: &TileParams, progress: &dyn Pr
     let is_at_sea = |sea: &f64| map.contours.iter().any(|line| (line.elevation - sea).abs() <= SAME_LEVEL);
     let sea = options.sea.filter(is_at_sea);
     let params = SurfaceParams { whole: Some(planned.whole.clone()), ..surface_params(options, frame, wanted) };
-    let given = given(beside.features.clone(), sea, planned.coast.clone());
+    let given = Given::new(beside.features.clone(), sea, planned.coast.clone());
     let Report { value, findings } = build(map, &given, &params, progress)?;
     let mut findings = first_causes(findings);
     beside.explain(&mut findings, planned.cliff_reach);

@@ -190,7 +190,6 @@ impl Input {
     }
 
     fn judge_whole(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
-        self.report_sides_elsewhere();
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
         let (params, given) = (self.surface_params(options, None), self.given(options));
@@ -222,7 +221,6 @@ impl Input {
         sea: Option<f64>,
         progress: &dyn Progress,
     ) -> Result<(Subdivision, Option<MultiPolygon<f64>>)> {
-        self.report_sides_elsewhere();
         let part = self.take_part()?;
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.features.lakes), sea, coast: self.coast.clone() };

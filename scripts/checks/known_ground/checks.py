@@ -13,7 +13,7 @@ SHARE = 1e-3  # of the interval: rounding, and the steps of 32-bit numbers
 
 
 def read_lines(path):
-    _, _, wkb, columns = pyogrio.raw.read(path, columns=["elev"])
+    _, _, wkb, columns = pyogrio.raw.read(path, layer=0, columns=["elev"])
     lines = shapely.force_2d(shapely.from_wkb(wkb))
     parts, owners = shapely.get_parts(lines, return_index=True)
     return parts, np.asarray(columns[0], float)[owners]

@@ -25,7 +25,7 @@ use super::extensions::open_raster;
 use super::failure::Failure;
 use super::height_map::ABOUT_GRID;
 use super::input::InputArgs;
-use super::surface::ABOUT_SURFACE;
+use super::surface::about_surface;
 use super::unit::UnitArg;
 use super::{memory, summary, terrain_page};
 
@@ -125,7 +125,7 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
         // Check points have a unit too.
         let but = args.input.map.points.as_ref().map(|_| "--unit");
         let about_contours = InputArgs::about_contours(flags, but);
-        if let Some(flag) = about_contours.or_else(|| flags.first(&ABOUT_SURFACE)) {
+        if let Some(flag) = about_contours.or_else(|| about_surface(flags)) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but both inputs are height maps")));
         }
     }

@@ -15,7 +15,7 @@ use crate::cli::height_map::GridArgs;
 use crate::cli::input::{InputArgs, Scope};
 use crate::cli::job::build;
 use crate::cli::map::MapArgs;
-use crate::cli::surface::{ABOUT_SURFACE, SurfaceArgs};
+use crate::cli::surface::{SurfaceArgs, about_surface};
 use crate::cli::vertical_shift::ShiftArgs;
 
 /// The arguments about the sides.
@@ -153,7 +153,7 @@ pub fn check(
     if contents.contains(&Content::Contours) {
         return surface.check(flags);
     }
-    match InputArgs::about_contours(flags, None).or_else(|| flags.first(&ABOUT_SURFACE)) {
+    match InputArgs::about_contours(flags, None).or_else(|| about_surface(flags)) {
         Some(flag) => Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map"))),
         None => Ok(()),
     }

@@ -48,17 +48,34 @@ impl Originals {
         self.places.len()
     }
 
+    /// The same with further coordinates. Where a position on the plane has some already, these stay.
+    pub fn with(&self, more: impl Iterator<Item = DVec2>, way: Option<&Transform>) -> Self {
+        let known = self.by_place(way);
+        let mut new = HashSet::new();
+        let more = more.filter(|p| {
+            let Some(place) = way.map_or(Some(*p), |way| way.forward(*p)).map(on_steps) else { return false };
+            let key = bits(place);
+            place != *p && !self.crowded.contains(&key) && !known.contains_key(&key) && new.insert(key)
+        });
+        let places = self.places.iter().copied().chain(more).collect();
+        Self { places, crowded: self.crowded.clone(), by_place: OnceLock::new() }
+    }
+
     /// What was at a position on the plane, to which `way` leads.
     pub fn at(&self, p: DVec2, way: Option<&Transform>) -> Option<DVec2> {
         // Computed vertices are hardly ever on whole micrometres, so they need no search.
         if self.crowded.is_empty() && on_steps(p) != p {
             return None;
         }
+        self.by_place(way).get(&bits(p)).copied()
+    }
+
+    fn by_place(&self, way: Option<&Transform>) -> &HashMap<Key, DVec2, FixedState> {
         let pair = |p: &DVec2| {
             let exact = way.map_or(Some(*p), |way| way.forward(*p))?;
             let key = bits(on_steps(exact));
             Some((if self.crowded.contains(&key) { bits(exact) } else { key }, *p))
         };
-        self.by_place.get_or_init(|| self.places.iter().filter_map(pair).collect()).get(&bits(p)).copied()
+        self.by_place.get_or_init(|| self.places.iter().filter_map(pair).collect())
     }
 }

@@ -135,6 +135,22 @@ impl Reprojection {
         Self { heights: Arc::new(OddHeights { unit, pairs }), ..self }
     }
 
+    /// Stores vertices of another file, which states `crs`, so that these come back bit for bit too. In another system than
+    /// that of the map's file, they cannot.
+    ///
+    /// # Errors
+    /// As [`Transform::between`].
+    pub fn keep(&mut self, vertices: impl Iterator<Item = DVec2>, crs: Option<&Crs>) -> Result<()> {
+        let is_same = match (self.of_side(crs), &self.input) {
+            (Some(side), Some(own)) => Transform::between(side, own)?.is_identity(),
+            _ => false,
+        };
+        if self.in_steps && is_same {
+            self.originals = Arc::new(self.originals.with(vertices, self.way.as_ref()));
+        }
+        Ok(())
+    }
+
     /// Whether the map is worked on in the system of its file.
     pub fn are_unmoved(&self) -> bool {
         self.way.is_none()
@@ -319,6 +335,11 @@ impl ToWorking {
             Ok(Polygon::new(ring(polygon.exterior())?, holes))
         };
         Ok(MultiPolygon::new(area.iter().map(polygon).collect::<Result<_>>()?))
+    }
+
+    /// How far a [`boundary`](Self::boundary) may be from its place, units of the plane, where straight pieces of it are curves.
+    pub fn straight(&self) -> Option<f64> {
+        self.way.as_ref().map(|_| self.straight)
     }
 
     /// Adds the vertices between two neighbouring vertices on the plane.

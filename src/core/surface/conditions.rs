@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::known_lines::heights_by_place;
+use super::lakeside::{keep_above_lakes, lowest_known};
 use crate::base::bits::bits;
 use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::ContourMap;
@@ -58,6 +59,12 @@ pub(crate) fn conditions<'a>(
         if !lo[node].is_nan() {
             (lo[node], hi[node]) = (level as f32, level as f32);
         }
+    }
+    if subdivision.regions.regions.iter().any(|region| region.water.is_some()) {
+        let is_water = |&t: &u32| subdivision.regions.region(t).is_some_and(|region| region.water.is_some());
+        let is_water = parallel::values_each(&triangles, |t| *t != NONE && is_water(t));
+        let lowest = lowest_known(grid, subdivision.used_spots(), known);
+        keep_above_lakes([&mut lo, &mut hi], &is_water, &lowest, grid.cols);
     }
     let is_hollow = is_hollow(&subdivision.regions);
     let hollows: Vec<bool> = parallel::values_each(&triangles, |&t| {

@@ -19,6 +19,7 @@ mod given_lines;
 mod groups;
 mod height_map;
 mod known_lines;
+mod lakeside;
 mod nodes;
 mod params;
 mod parted;

@@ -15,7 +15,7 @@ use crate::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 use tokosen_core::base::error::{Error, Finding, FindingKind, Result};
 use tokosen_core::base::memory;
 use tokosen_core::crs::Crs;
-use tokosen_core::features::Role;
+use tokosen_core::features::Shapes;
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
 /// a second. A view that joins itself can go on for ever.
@@ -175,14 +175,21 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     let outlines: Vec<_> = lines.iter().chain(&polygons).copied().collect();
     let either: Vec<_> = points.iter().chain(&polygons).copied().collect();
     let (wanted, what) = match request.purpose {
-        Purpose::Features(Role::Streams) if lines.is_empty() => (&polygons, "lines or polygons"),
         // Contours may be stored as polygons.
         Purpose::Contours if lines.is_empty() && !contours.is_empty() => (&contours, "polygons"),
-        Purpose::Contours | Purpose::Features(Role::Streams | Role::Cliffs | Role::BreakLines) => (&lines, "lines"),
+        Purpose::Contours => (&lines, "lines"),
         Purpose::Spots | Purpose::Places => (&points, "points"),
-        Purpose::Area | Purpose::Features(Role::Exclude | Role::Water) => (&polygons, "polygons"),
-        Purpose::Features(Role::Coast) => (&outlines, "lines or polygons"),
-        Purpose::Features(Role::Sinks) => (&either, "points or polygons"),
+        Purpose::Area => (&polygons, "polygons"),
+        Purpose::Features(role) => {
+            let layers = match role.shapes() {
+                Shapes::LinesElsePolygons if lines.is_empty() => &polygons,
+                Shapes::Lines | Shapes::LinesElsePolygons => &lines,
+                Shapes::Polygons => &polygons,
+                Shapes::LinesOrPolygons => &outlines,
+                Shapes::PointsOrPolygons => &either,
+            };
+            (layers, role.shapes().words())
+        }
     };
     match wanted.as_slice() {
         [] => Err(Error::file(path, format!("there is no layer of {what}; its layers are {}", names(&all)))),

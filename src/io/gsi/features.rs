@@ -64,28 +64,17 @@ pub(crate) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         Purpose::Contours => (&[Item::Contour, Item::SpotHeight], "contour (Cntr) or spot height (ElevPt)"),
         Purpose::Spots => (&[Item::SpotHeight], "spot height (ElevPt)"),
         Purpose::Features(Role::Water) => (&[Item::WaterArea, Item::WaterEdge], "water (WA, WL)"),
-        Purpose::Area | Purpose::Features(Role::Exclude) => {
+        Purpose::Area => {
             let message = "files of 基盤地図情報 hold no frame; name a file with a polygon, or take hull or bbox";
-            return Err(Error::file(path, message));
-        }
-        Purpose::Features(Role::Coast) => {
-            let message = "the coast of 基盤地図情報 is not read; name a file with lines or polygons";
             return Err(Error::file(path, message));
         }
         Purpose::Places => {
             return Err(Error::file(path, "files of 基盤地図情報 hold no such points; name a file with points"));
         }
-        Purpose::Features(Role::Sinks) => {
-            let message = "files of 基盤地図情報 hold no sinks; name a file with points or polygons";
+        Purpose::Features(role) => {
+            let (many, shapes) = (role.many(), role.shapes().words());
+            let message = format!("no {many} are read from files of 基盤地図情報; name a file with {shapes}");
             return Err(Error::file(path, message));
-        }
-        Purpose::Features(Role::Streams | Role::Cliffs) => {
-            let message =
-                "files of 基盤地図情報 hold the edges of rivers (WL) and no lines along them; name a file with lines";
-            return Err(Error::file(path, message));
-        }
-        Purpose::Features(Role::BreakLines) => {
-            return Err(Error::file(path, "files of 基盤地図情報 hold no break lines; name a file with lines"));
         }
     };
     if let Some(layer) = request.layer {

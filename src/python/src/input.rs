@@ -5,7 +5,7 @@ use tokosen::base::progress::Progress;
 use tokosen::contour::SoftSpot;
 use tokosen::crs::Crs;
 use tokosen::dem::contour::ContourParams;
-use tokosen::features::Role;
+use tokosen::features::{Role, Serves};
 use tokosen::io::VectorSource;
 use tokosen::raster::Dem;
 use tokosen::subdomains::Frame;
@@ -13,7 +13,7 @@ use tokosen::terrain::{extent_on, read_area_on};
 use tokosen::{Input, InputOptions, Result};
 
 use crate::error::{exception, parameter};
-use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap};
+use crate::options::{Frame as GivenFrame, Given, HeightMap};
 use crate::source::{Given as GivenSource, Source, crs, sources};
 use crate::unit::{one_of, unit};
 
@@ -113,7 +113,10 @@ impl Recipe {
         }
         let needs = [
             (given.points_sigma.is_some() && given.points.is_none(), "points_sigma needs points"),
-            (given.stream_tolerance.is_some() && given.streams.is_empty(), "stream_tolerance needs streams"),
+            (
+                given.stream_tolerance.is_some() && given.in_role(Role::Streams).is_empty(),
+                "stream_tolerance needs streams",
+            ),
             (given.base_fade.is_some() && given.base.is_none(), "base_fade needs base"),
         ];
         if let Some((_, message)) = needs.into_iter().find(|(is_wrong, _)| *is_wrong) {
@@ -149,27 +152,12 @@ impl Recipe {
             Some(GivenSource::Vector(source)) => Some(Points::Vector(source.clone())),
             Some(GivenSource::Lines(_)) => return Err(parameter(py, "points are points, and these are lines")),
         };
-        let (mut coast_level, mut coast) = (None, None);
-        match &given.coast {
-            None => {}
-            Some(Coast::Level(level)) if !level.is_finite() => {
-                return Err(parameter(py, format!("coast is {level}, which is no elevation")));
-            }
-            Some(Coast::Level(level)) => coast_level = Some(*level),
-            Some(Coast::Lines(source)) => coast = Some(source),
+        if let Some(level) = given.coast_level.filter(|level| !level.is_finite()) {
+            return Err(parameter(py, format!("coast is {level}, which is no elevation")));
         }
         let mut features = Vec::new();
         for role in Role::all() {
-            let sources: Vec<&Py<Source>> = match role {
-                Role::Coast => coast.into_iter().collect(),
-                Role::Exclude => given.exclude.iter().collect(),
-                Role::Cliffs => given.cliffs.iter().collect(),
-                Role::Water => given.water.iter().collect(),
-                Role::Streams => given.streams.iter().collect(),
-                Role::BreakLines => given.breaklines.iter().collect(),
-                Role::Sinks => given.sinks.iter().collect(),
-            };
-            for source in sources {
+            for source in given.in_role(role) {
                 features.push((role, vector(source, role.name())?));
             }
         }
@@ -196,7 +184,7 @@ impl Recipe {
             options,
             points,
             points_sigma: given.points_sigma,
-            coast_level,
+            coast_level: given.coast_level,
             features,
             frame,
             extend: given.extend,
@@ -227,7 +215,7 @@ impl Recipe {
             },
         }
         self.coast_level.iter().try_for_each(|level| input.set_coast_level(*level))?;
-        self.read(&mut input, &[Role::Coast, Role::Exclude, Role::Cliffs])?;
+        self.read(&mut input, |serves| serves == Serves::Contours)?;
         self.frame(&mut input)?;
         self.part(&mut input)?;
         Ok(input)
@@ -264,15 +252,15 @@ impl Recipe {
         Ok(())
     }
 
-    /// Adds the features in some roles.
-    pub fn read(&self, input: &mut Input, roles: &[Role]) -> Result<()> {
-        let wanted = self.features.iter().filter(|(role, _)| roles.contains(role));
-        wanted.into_iter().try_for_each(|(role, source)| input.read_features(*role, source))
+    /// Adds the features in the roles that serve what is wanted.
+    fn read(&self, input: &mut Input, is_wanted: impl Fn(Serves) -> bool) -> Result<()> {
+        let mut wanted = self.features.iter().filter(|(role, _)| is_wanted(role.serves()));
+        wanted.try_for_each(|(role, source)| input.read_features(*role, source))
     }
 
-    /// Adds everything that a surface needs besides the contours.
+    /// Adds what was given besides the contours and what belongs to them.
     pub fn surface(&self, input: &mut Input) -> Result<()> {
-        self.read(input, &[Role::Water, Role::Streams, Role::BreakLines, Role::Sinks])
+        self.read(input, |serves| serves > Serves::Contours)
     }
 
     /// The name of the contours in messages.

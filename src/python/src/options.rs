@@ -2,6 +2,7 @@
 //!
 //! The package's Python files fill in the defaults, so every key is there.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
@@ -11,6 +12,7 @@ use tokosen::contour::Interval;
 use tokosen::contour::Target;
 use tokosen::crs::{Crs, FromWorking};
 use tokosen::drain::Drain;
+use tokosen::features::{Role, Serves};
 use tokosen::io::tiles::{HIGHEST_ZOOM, pixel_size};
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
@@ -40,16 +42,12 @@ pub struct Given {
     pub sample: Option<f64>,
     pub points: Option<Py<Source>>,
     pub points_sigma: Option<f64>,
-    pub water: Option<Py<Source>>,
+    /// The sources in each role, by its name.
+    pub features: HashMap<String, Vec<Py<Source>>>,
     pub sea: Option<f64>,
-    pub coast: Option<Coast>,
-    pub streams: Vec<Py<Source>>,
+    pub coast_level: Option<f64>,
     pub stream_tolerance: Option<f64>,
-    pub breaklines: Vec<Py<Source>>,
-    pub cliffs: Vec<Py<Source>>,
-    pub sinks: Vec<Py<Source>>,
     pub drain: String,
-    pub exclude: Vec<Py<Source>>,
     pub frame: Frame,
     pub extend: bool,
     pub base: Option<HeightMap>,
@@ -62,13 +60,6 @@ pub struct Given {
     pub tension: Option<f64>,
     pub noise: Option<f64>,
     pub uncertainty: bool,
-}
-
-/// Where the coast is.
-#[derive(FromPyObject)]
-pub enum Coast {
-    Level(f64),
-    Lines(Py<Source>),
 }
 
 /// Where the ground ends.
@@ -145,6 +136,11 @@ impl Cells {
 }
 
 impl Given {
+    /// The sources in a role.
+    pub fn in_role(&self, role: Role) -> &[Py<Source>] {
+        self.features.get(role.name()).map_or(&[], Vec::as_slice)
+    }
+
     /// How the lines are prepared.
     pub fn preparation(&self, py: Python<'_>) -> PyResult<Preparation> {
         let repair = match self.repair.as_deref() {
@@ -161,19 +157,20 @@ impl Given {
         let kinds = [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline];
         let found = kinds.into_iter().find(|kind| kind.name() == self.surface);
         let found = found.ok_or_else(|| one_of(py, "surface", &self.surface, "linear, skeleton or spline"))?;
-        let linear = found == SurfaceKind::Linear;
-        let smooth = found == SurfaceKind::Spline;
-        let unused = [
-            (linear && self.resolution != 1.0, "resolution"),
-            (linear && !self.streams.is_empty(), "streams"),
-            (linear && !self.breaklines.is_empty(), "breaklines"),
-            (!smooth && self.tension.is_some(), "tension"),
-            (!smooth && self.noise.is_some(), "noise"),
-            (!smooth && !self.sinks.is_empty(), "sinks"),
-            (!smooth && self.drain != "safe", "drain"),
+        let at_most = match found {
+            SurfaceKind::Linear => Serves::Surface,
+            SurfaceKind::Skeleton => Serves::Skeleton,
+            SurfaceKind::Spline => Serves::Spline,
+        };
+        let numbers = [
+            (self.resolution != 1.0, Serves::Skeleton, "resolution"),
+            (self.tension.is_some(), Serves::Spline, "tension"),
+            (self.noise.is_some(), Serves::Spline, "noise"),
+            (self.drain != "safe", Serves::Spline, "drain"),
         ];
-        match unused.into_iter().find(|(is_given, _)| *is_given) {
-            Some((_, name)) => Err(parameter(py, format!("{name} has no meaning for surface={:?}", self.surface))),
+        let roles = Role::all().map(|role| (!self.in_role(role).is_empty(), role.serves(), role.name()));
+        match numbers.into_iter().chain(roles).find(|(is_given, serves, _)| *is_given && *serves > at_most) {
+            Some((_, _, name)) => Err(parameter(py, format!("{name} has no meaning for surface={:?}", self.surface))),
             None => Ok(found),
         }
     }

@@ -10,7 +10,6 @@ use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::contour::{ContourParams, contours};
 use tokosen::dem::derive::{HeightsFrom, SteepParams, aspect, check as check_dem, shade, slope, steep, steep_note};
 use tokosen::dem::shade::{Light, ShadeParams};
-use tokosen::features::Role;
 use tokosen::io::layer::{
     bands_layer, of_bands, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas,
 };
@@ -79,7 +78,7 @@ pub fn check(
         input.clean(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?;
         let map = input.map.clone();
-        recipe.read(&mut input, &[Role::Water, Role::Streams, Role::BreakLines])?;
+        recipe.surface(&mut input)?;
         let judged = input.judge(&options, progress)?;
         input.findings.sort_by_key(|finding| (std::cmp::Reverse(finding.kind.severity()), finding.kind));
         if strict {
@@ -111,7 +110,7 @@ pub fn regions(
         let mut input = recipe.contours(progress)?;
         options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.prepare(&options.preparation, progress)?;
-        recipe.read(&mut input, &[Role::Water])?;
+        recipe.surface(&mut input)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
         let (subdivision, part) = input.subdivide(options.sea, progress)?;
         let forms = landforms(&subdivision.tin, &subdivision.regions);
@@ -142,7 +141,7 @@ pub fn skeleton(
         options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.prepare(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
-        recipe.read(&mut input, &[Role::Water, Role::Streams])?;
+        recipe.surface(&mut input)?;
         let (subdivision, part) = input.subdivide(options.sea, progress)?;
         let mut streams = input.settle_streams(&subdivision, options.stream_tolerance, progress)?;
         progress.start("ridge and canyon lines", 0);

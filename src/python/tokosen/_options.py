@@ -207,8 +207,10 @@ _DEFAULTS: dict[str, Any] = {
     "tension": None,
     "noise": None,
 }
-_LISTS = ("streams", "breaklines", "cliffs", "sinks", "exclude")
-_SINGLE = ("points", "water", "clip")
+# Lines, polygons and points beside the contours: of one source, or of a list of sources.
+_FEATURES = ("coast", "exclude", "cliffs", "water", "streams", "breaklines", "sinks")
+_FEATURES_OF_ONE = ("coast", "water")
+_SINGLE = ("points", "clip")
 _SYSTEMS = ("crs", "work_crs", "extent_crs")
 
 
@@ -221,8 +223,14 @@ def options(given: Mapping[str, Any], known: type, uncertainty: bool = False) ->
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise TypeError(f"there is no argument {name!r}{hint}")
     found = {**_DEFAULTS, **given, "uncertainty": uncertainty}
-    for name in _LISTS:
-        found[name] = [] if found[name] is None else sources(name, found[name])
+    coast = found["coast"]
+    is_level = isinstance(coast, int | float) and not isinstance(coast, bool)
+    found["coast_level"] = found.pop("coast") if is_level else None
+    found["features"] = {
+        name: [source(name, features)] if name in _FEATURES_OF_ONE else sources(name, features)
+        for name in _FEATURES
+        if (features := found.pop(name, None)) is not None
+    }
     for name in _SINGLE:
         found[name] = None if found[name] is None else source(name, found[name])
     for name in _SYSTEMS:
@@ -231,9 +239,6 @@ def options(given: Mapping[str, Any], known: type, uncertainty: bool = False) ->
         frame = found["frame"]
         is_path = isinstance(frame, str) and not os.path.splitext(frame)[1]
         found["frame"] = frame if is_path else source("frame", frame)
-    coast = found["coast"]
-    if coast is not None and not (isinstance(coast, int | float) and not isinstance(coast, bool)):
-        found["coast"] = source("coast", coast)
     found["base"] = height_map("base", found["base"])
     if found["extent"] is not None:
         found["extent"] = [float(number) for number in found["extent"]]

@@ -1,5 +1,6 @@
 //! Lines, polygons and points beside the contours, brought to the working plane.
 
+use geo::{CoordsIter, Polygon};
 use glam::{DVec2, DVec3};
 
 use super::{Input, Signs};
@@ -41,6 +42,10 @@ impl Input {
         signs: Signs<'_>,
     ) -> Result<()> {
         let Features { coast, excluded, cliffs, lakes, streams, river_areas, break_lines, sinks } = features;
+        // The lines of a coast become contours of the output.
+        if !coast.is_empty() {
+            self.reprojection.keep(coast.iter().flat_map(|line| line.points.iter().copied()), crs)?;
+        }
         let coast = self.bring(coast, crs, signs)?;
         self.take_coast(coast);
         if !excluded.is_empty() {
@@ -68,13 +73,14 @@ impl Input {
             return Ok(features);
         }
         let to_working = self.reprojection.bring(crs)?;
+        let (one, many) = T::WORDS;
         let unit = match features.iter().any(T::has_heights) {
-            true => self.unit_beside(T::ROLE.heights(), crs, signs),
+            true => self.unit_beside(&format!("the heights of the {many}"), crs, signs),
             false => self.unit(),
         };
         let mut brought = Vec::with_capacity(features.len());
         for feature in features {
-            let (one, number) = (feature.one(), feature.number());
+            let number = feature.number();
             match feature.brought(&to_working, unit) {
                 Ok(feature) => brought.push(feature),
                 Err(error) if T::IS_NEEDED => return Err(error),
@@ -84,6 +90,7 @@ impl Input {
                 }
             }
         }
+        self.report_elsewhere(many, brought.iter().flat_map(T::places));
         Ok(brought)
     }
 }
@@ -91,13 +98,10 @@ impl Input {
 /// A feature beside the contours.
 trait Bring: Sized {
     const ROLE: Role;
+    /// One feature, and several, for messages.
+    const WORDS: (&'static str, &'static str) = (Self::ROLE.one(), Self::ROLE.many());
     /// Whether the map would be wrong without it.
     const IS_NEEDED: bool = false;
-
-    /// It in one word, for messages.
-    fn one(&self) -> &'static str {
-        Self::ROLE.one()
-    }
 
     /// Its number in the file.
     fn number(&self) -> FeatureId;
@@ -107,8 +111,15 @@ trait Bring: Sized {
         false
     }
 
+    /// Places on it that show where it lies.
+    fn places(&self) -> Vec<DVec2>;
+
     /// The same on the working plane, with its heights, which are in `unit`, in metres.
     fn brought(self, to_working: &ToWorking, unit: ElevationUnit) -> Result<Self>;
+}
+
+fn corners(polygon: &Polygon<f64>) -> impl Iterator<Item = DVec2> {
+    polygon.exterior_coords_iter().map(|c| DVec2::new(c.x, c.y))
 }
 
 fn course(points: &[DVec2], to_working: &ToWorking) -> Result<Vec<DVec2>> {
@@ -126,6 +137,10 @@ impl Bring for CoastLine {
         self.level.is_some()
     }
 
+    fn places(&self) -> Vec<DVec2> {
+        self.points.clone()
+    }
+
     fn brought(self, to_working: &ToWorking, unit: ElevationUnit) -> Result<Self> {
         let level = self.level.map(|level| unit.metres(level));
         Ok(Self { points: course(&self.points, to_working)?, level, ..self })
@@ -137,6 +152,10 @@ impl Bring for CliffLine {
 
     fn number(&self) -> FeatureId {
         self.feature
+    }
+
+    fn places(&self) -> Vec<DVec2> {
+        self.points.clone()
     }
 
     fn brought(self, to_working: &ToWorking, _: ElevationUnit) -> Result<Self> {
@@ -156,6 +175,10 @@ impl Bring for Lake {
         self.height.is_some()
     }
 
+    fn places(&self) -> Vec<DVec2> {
+        corners(&self.polygon).collect()
+    }
+
     fn brought(self, to_working: &ToWorking, unit: ElevationUnit) -> Result<Self> {
         Ok(Self { polygon: to_working.polygon(&self.polygon)?, ..self }.in_metres(unit))
     }
@@ -168,6 +191,10 @@ impl Bring for StreamLine {
         self.feature
     }
 
+    fn places(&self) -> Vec<DVec2> {
+        self.points.clone()
+    }
+
     fn brought(self, to_working: &ToWorking, _: ElevationUnit) -> Result<Self> {
         Ok(Self { points: course(&self.points, to_working)?, ..self })
     }
@@ -175,13 +202,14 @@ impl Bring for StreamLine {
 
 impl Bring for RiverArea {
     const ROLE: Role = Role::Streams;
-
-    fn one(&self) -> &'static str {
-        "river area"
-    }
+    const WORDS: (&'static str, &'static str) = ("river area", "river areas");
 
     fn number(&self) -> FeatureId {
         self.feature
+    }
+
+    fn places(&self) -> Vec<DVec2> {
+        corners(&self.polygon).collect()
     }
 
     fn brought(self, to_working: &ToWorking, _: ElevationUnit) -> Result<Self> {
@@ -200,6 +228,10 @@ impl Bring for BreakLine {
         !self.heights.is_empty()
     }
 
+    fn places(&self) -> Vec<DVec2> {
+        self.points.clone()
+    }
+
     fn brought(self, to_working: &ToWorking, unit: ElevationUnit) -> Result<Self> {
         let height = |k: usize| unit.metres(self.heights.get(k).copied().unwrap_or(0.0));
         let vertices = self.points.iter().enumerate().map(|(k, p)| to_working.point(p.extend(height(k))));
@@ -214,6 +246,13 @@ impl Bring for Sink {
 
     fn number(&self) -> FeatureId {
         self.feature
+    }
+
+    fn places(&self) -> Vec<DVec2> {
+        match &self.shape {
+            SinkShape::Point(p) => vec![*p],
+            SinkShape::Area(area) => area.iter().flat_map(corners).collect(),
+        }
     }
 
     fn brought(self, to_working: &ToWorking, _: ElevationUnit) -> Result<Self> {

@@ -5,6 +5,7 @@
 //! coordinate reference system of its own.
 
 mod base;
+mod border;
 mod cliffs;
 mod coast;
 mod exclude;
@@ -12,14 +13,11 @@ mod features;
 #[cfg(feature = "io")]
 mod files;
 mod part;
+mod sides;
 mod surface_params;
 
 #[cfg(feature = "io")]
-pub(super) use {
-    cliffs::explain_by_cliffs,
-    exclude::drop_expected,
-    surface_params::{given, surface_params},
-};
+pub(super) use {cliffs::explain_by_cliffs, exclude::drop_expected, surface_params::surface_params};
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -276,7 +274,7 @@ impl Input {
         let exact = self.map.spots[before[0]..].iter().map(|spot| spot.truncate());
         let added: Vec<DVec2> =
             exact.chain(self.map.soft_spots[before[1]..].iter().map(|spot| spot.place.truncate())).collect();
-        self.report_spots_elsewhere(added.into_iter());
+        self.report_elsewhere("spot heights", added.into_iter());
         Ok(())
     }
 
@@ -294,7 +292,7 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn set_boundary(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
-        let area = self.reprojection.bring(crs)?.boundary(area)?;
+        let area = self.border_through_ends(area, crs)?;
         // Vertices within the tolerance of the border lie on it. So lines that end on the frame still do.
         let diagonal = area.bounding_rect().map_or(0.0, |rect| rect.width().hypot(rect.height()));
         self.frame = Frame::Polygon(thinned(&area, STRAIGHT * tolerance(&area), DENSE * diagonal));

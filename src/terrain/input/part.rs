@@ -16,7 +16,7 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
     pub fn set_part(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
-        let area = self.reprojection.bring(crs)?.boundary(area)?;
+        let area = self.border_through_ends(area, crs)?;
         if area.unsigned_area() == 0.0 {
             let message =
                 "the part of the map has no area: coordinates are rounded to micrometres; choose a larger part";

@@ -8,10 +8,7 @@ use super::Input;
 use crate::terrain::grid::Cells;
 use crate::terrain::options::Options;
 use tokosen_core::contour::ContourMap;
-use tokosen_core::features::Features;
 use tokosen_core::spline::{SplineParams, Wanted};
-use tokosen_core::streams::Streams;
-use tokosen_core::subdivision::Water;
 use tokosen_core::subdomains::Frame;
 use tokosen_core::surface::{Given, SurfaceParams};
 
@@ -24,7 +21,7 @@ impl Input {
 
     /// What the map gives beside its contours. Lakes and lines are moved out of the input.
     pub(in crate::terrain) fn given(&mut self, options: &Options) -> Given {
-        given(take(&mut self.features), options.sea, self.coast.clone())
+        Given::new(take(&mut self.features), options.sea, self.coast.clone())
     }
 }
 
@@ -42,19 +39,6 @@ pub(in crate::terrain) fn surface_params(options: &Options, frame: Frame, wanted
         uncertainty: options.uncertainty,
         memory: options.memory,
         tuning: options.tuning,
-    }
-}
-
-/// Features, the level of the sea, and the levels of coasts, as the surface takes them.
-pub(in crate::terrain) fn given(features: Features, sea: Option<f64>, coast: Vec<f64>) -> Given {
-    // The levels of coasts are given, and excluded parts are cut out of the map.
-    let Features { cliffs, lakes, streams, river_areas, break_lines, sinks, coast: _, excluded: _ } = features;
-    Given {
-        water: Water { lakes, sea, coast },
-        streams: Streams { lines: streams, areas: river_areas },
-        cliffs: cliffs.into_iter().map(|cliff| cliff.points).collect(),
-        break_lines,
-        sinks,
     }
 }
 
