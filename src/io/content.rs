@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::format::InputFormat;
 use super::gsi;
+use super::landxml::is_landxml_surface;
 use super::raster::READABLE_EXTENSIONS;
 use tokosen_core::base::error::{Error, Result};
 
@@ -17,7 +18,7 @@ pub enum Content {
 }
 
 /// Decides between a height map and contours. The extension decides; for documents, archives and folders of 基盤地図情報 the
-/// content decides. If both are present, the answer is contours.
+/// content decides, and for LandXML. If both are present, the answer is contours.
 ///
 /// # Errors
 /// The extension is not known, or an archive or folder cannot be read.
@@ -25,6 +26,9 @@ pub fn content(path: &Path) -> Result<Content> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     if gsi::is_source(path) {
         return Ok(if gsi::is_height_map(path)? { Content::HeightMap } else { Content::Contours });
+    }
+    if is_landxml_surface(path)? {
+        return Ok(Content::HeightMap);
     }
     if READABLE_EXTENSIONS.contains(&extension.as_str()) {
         return Ok(Content::HeightMap);

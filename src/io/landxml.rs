@@ -1,9 +1,11 @@
-//! Reads the source data of surfaces in LandXML 1.0 to 1.2: contours, break lines, points, boundaries. The triangles of a surface
-//! are not read.
+//! Reads surfaces in LandXML 1.0 to 1.2: their source data, which are contours, break lines, points and boundaries, and in
+//! [`surface`] their triangles.
 //!
 //! Coordinates are northing, easting and elevation. What is read depends on the purpose: contours and points of the data as a map of
 //! contours, the break lines as break lines, points alone as spot heights (those of the triangles if there are no others), and
 //! outer boundaries as areas.
+
+mod surface;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -14,6 +16,8 @@ use super::meter::{LimitedReader, MAX_DOCUMENT_LENGTH};
 use super::table::{Feature, Purpose, Request, Spot, Table};
 use super::xml::{Step, Xml};
 use crate::ordinary::open_to_read;
+use surface::is_surface;
+pub(crate) use surface::read_surface;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::{ElevationUnit, memory};
 use tokosen_core::contour::UnitHint;
@@ -33,6 +37,12 @@ pub(super) fn is_landxml(path: &Path) -> bool {
     read.is_ok_and(|read| read.is_ok()) && head.windows(8).any(|bytes| bytes == b"<LandXML")
 }
 
+/// Whether a file is LandXML with triangles and without contours, so that it is read as a height map.
+pub(super) fn is_landxml_surface(path: &Path) -> Result<bool> {
+    let is_xml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml"));
+    Ok(is_xml && is_landxml(path) && is_surface(path)?)
+}
+
 /// What the positions of a list belong to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Part {
@@ -47,13 +57,20 @@ enum Part {
 
 /// Reads the features of a file. They are numbered from 1, in the order of the file.
 pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let file = open_to_read(path)?;
-    let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+    let length = open_to_read(path)?.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let what = format!("reading {} as a whole", path.display());
     memory::check(BYTES_PER_BYTE * length as f64, request.memory, what, "export a part of the surface")?;
-    let mut file = BufReader::with_capacity(BUFFER, file);
+    with_document(path, |xml| source_data(xml, request))
+}
+
+/// Lets a reader go through a document.
+fn with_document<T>(path: &Path, read: impl FnOnce(&mut Xml<'_, '_>) -> Result<T>) -> Result<T> {
+    let mut file = BufReader::with_capacity(BUFFER, open_to_read(path)?);
     let mut source = LimitedReader::new(&mut file as &mut dyn BufRead, MAX_DOCUMENT_LENGTH);
-    let mut xml = Xml::new(path, &mut source)?;
+    read(&mut Xml::new(path, &mut source)?)
+}
+
+fn source_data(xml: &mut Xml<'_, '_>, request: &Request<'_>) -> Result<Table> {
     let mut table = Table::new(request);
     let mut part: Option<Part> = None;
     let (mut text, mut number, mut triangles) = (String::new(), 0, 0);
@@ -67,11 +84,8 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
                 }
                 text.clear();
                 match xml.name() {
-                    "Metric" | "Imperial" => units(&xml, &mut table)?,
-                    "CoordinateSystem" => {
-                        let code = xml.attribute("epsgCode").and_then(|code| code.parse::<u32>().ok());
-                        table.crs = code.map(Crs::from_epsg).filter(|crs| crs.kind().is_some()).or(table.crs.take());
-                    }
+                    "Metric" | "Imperial" => units(xml, &mut table)?,
+                    "CoordinateSystem" => table.crs = system(xml).or(table.crs.take()),
                     "Contour" => {
                         let elevation = xml.attribute("elev").and_then(|elevation| elevation.parse().ok());
                         let missing = || xml.error(format!("contour {} has no elevation", number + 1));
@@ -153,10 +167,27 @@ fn positions(text: &str, size: usize) -> Result<(Vec<DVec2>, Vec<f64>), String> 
     Ok((places, heights))
 }
 
+/// The coordinate reference system that an element names, if its code is known.
+fn system(xml: &Xml<'_, '_>) -> Option<Crs> {
+    let code = xml.attribute("epsgCode").and_then(|code| code.parse::<u32>().ok());
+    code.map(Crs::from_epsg).filter(|crs| crs.kind().is_some())
+}
+
 /// Notes the unit of lengths. Elevations should be in it too.
 fn units(xml: &Xml<'_, '_>, table: &mut Table) -> Result<()> {
+    let Some(unit) = length_unit(xml)? else { return Ok(()) };
+    if ElevationUnit::of_size(unit.metres).is_some() {
+        let says = format!("the file states lengths in the unit {}, so elevations seem to be in feet", unit.name);
+        table.unit_hint = Some(UnitHint { says, is_feet: true });
+    }
+    table.plane_unit = Some(unit);
+    Ok(())
+}
+
+/// The unit of lengths that an element states, unless it is the metre.
+fn length_unit(xml: &Xml<'_, '_>) -> Result<Option<LengthUnit>> {
     let (name, metres) = match xml.attribute("linearUnit") {
-        None | Some("meter") => return Ok(()),
+        None | Some("meter") => return Ok(None),
         Some("foot") => ("foot", 0.3048),
         Some("USSurveyFoot") => ("US survey foot", 1200.0 / 3937.0),
         Some("millimeter") => ("millimetre", 1e-3),
@@ -164,12 +195,7 @@ fn units(xml: &Xml<'_, '_>, table: &mut Table) -> Result<()> {
         Some("kilometer") => ("kilometre", 1e3),
         Some(other) => return Err(xml.error(format!("its linear unit {other} is not known here"))),
     };
-    if ElevationUnit::of_size(metres).is_some() {
-        let says = format!("the file states lengths in the unit {name}, so elevations seem to be in feet");
-        table.unit_hint = Some(UnitHint { says, is_feet: true });
-    }
-    table.plane_unit = Some(LengthUnit { name: name.to_owned(), metres });
-    Ok(())
+    Ok(Some(LengthUnit { name: name.to_owned(), metres }))
 }
 
 #[cfg(test)]

@@ -15,8 +15,8 @@ use tokosen_core::base::error::{Cause, Error, Result};
 const MAX_DEPTH: usize = 100;
 
 /// The attributes that a reader may ask for, by their local names.
-const ATTRIBUTES: [&str; 8] =
-    ["srsName", "srsDimension", "order", "name", "orientation", "elev", "linearUnit", "epsgCode"];
+const ATTRIBUTES: [&str; 10] =
+    ["srsName", "srsDimension", "order", "name", "orientation", "elev", "linearUnit", "epsgCode", "id", "i"];
 
 /// The next event of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

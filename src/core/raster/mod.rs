@@ -2,6 +2,7 @@
 //! triangulation at the cells of a grid.
 
 mod blocks;
+mod faces;
 pub(crate) mod gradient;
 mod ground;
 mod height_map;
@@ -17,6 +18,8 @@ pub use blocks::Block;
 pub use blocks::Blocks;
 #[doc(hidden)]
 pub use blocks::each_pair;
+#[doc(hidden)]
+pub use faces::rasterise_faces;
 pub(crate) use gradient::gradient_at;
 #[doc(hidden)]
 pub use ground::other_unit;

@@ -10,6 +10,7 @@ use super::geotiff_read::Opened;
 use super::{asc, exr, geotiff_read, like, png_read, xyz_read};
 use crate::crs_finding::crs_finding;
 use crate::gsi::{self, GsiDem, Product};
+use crate::landxml::read_surface;
 use crate::ordinary::open_to_read;
 use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
 use tokosen_core::base::{ElevationUnit, Grid};
@@ -33,7 +34,8 @@ pub struct DemFile {
 /// Reads a height map as 32-bit floating point, metres, north up.
 ///
 /// The formats are GeoTIFF, ESRI ASCII grid, OpenEXR, XYZ, 16-bit PNG and elevation tile (PNG) of the Geospatial
-/// Information Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic.
+/// Information Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic. Of a LandXML
+/// surface, the triangles are read; a triangle of median size gets about four cells.
 ///
 /// 64-bit floating point and 32-bit whole numbers are rounded to 32-bit floating point. Scale and offset of the file
 /// are applied. Feet become metres, if the band states its unit (unit type, GeoTIFF key) or the vertical part of the
@@ -51,6 +53,7 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
         return Ok(Report { value: DemFile { dem, product: Some(product), height_system }, findings });
     }
     let read = match extension(path).as_str() {
+        "xml" => read_surface,
         "tif" | "tiff" => geotiff_read::read,
         "asc" => asc::read,
         "exr" => exr::read,

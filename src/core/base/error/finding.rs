@@ -235,6 +235,8 @@ kinds! {
     BandUnclear = "band-unclear", Warning, "bands of more than one step";
     /// Nearly all pixels of the terrain tiles lie beyond the height map.
     TilesBeyondMap = "tiles-beyond-map", Warning, "terrain tiles mostly beyond the map";
+    /// A surface of triangles was read as a height map.
+    TriangleCells = "triangle-cells", Note, "triangles read at the centres of cells";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
