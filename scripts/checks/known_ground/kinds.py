@@ -15,7 +15,7 @@ KINDS = [
 
 # Kinds in which some maps have faults still. --quick leaves them out.
 FAULTY = [
-    sheets_in_millimetres, streams, ridges_with_heights, broken_cliffs, coast, coast_of_file, sea, excluded, district_in_degrees,
+    sheets_in_millimetres, streams, ridges_with_heights, broken_cliffs, coast, coast_of_file, sea, excluded,
 ]  # fmt: skip
 
 QUICK = [kind for kind in KINDS if kind not in FAULTY]

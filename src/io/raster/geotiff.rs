@@ -269,7 +269,7 @@ impl<'a> Raster<'a> {
 }
 
 fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
-    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::default());
+    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::new(3));
     encoder.write_all(bytes)?;
     encoder.finish()
 }
