@@ -23,7 +23,7 @@ const CELLS_PER_TRIANGLE: f64 = 4.0;
 /// or 5 times a power of ten, and it is larger if there were more than 25 million cells.
 ///
 /// # Errors
-/// No triangle has an area.
+/// No triangle has an area, or they reach too far.
 pub fn rasterise_faces(points: &[DVec3], faces: &[[u32; 3]], progress: &dyn Progress) -> Result<Dem> {
     let origin = points.first().map_or(DVec2::ZERO, |point| point.truncate());
     let positions: Vec<DVec2> = points.iter().map(|point| point.truncate() - origin).collect();
@@ -45,7 +45,8 @@ pub fn rasterise_faces(points: &[DVec3], faces: &[[u32; 3]], progress: &dyn Prog
     };
     let (lo, hi) = corners().fold((DVec2::MAX, DVec2::MIN), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let area = (median / CELLS_PER_TRIANGLE).min((hi - lo).element_product() / FEWEST_CELLS);
-    let cell = cell_size(area.sqrt(), hi - lo);
+    let cell = cell_size(area.sqrt(), hi - lo)
+        .ok_or_else(|| Error::Data("the triangles reach further than a map can: a coordinate is wrong".into()))?;
     let tin = Tin {
         origin,
         heights: points.iter().map(|point| point.z).collect(),
@@ -61,11 +62,11 @@ pub fn rasterise_faces(points: &[DVec3], faces: &[[u32; 3]], progress: &dyn Prog
     Ok(rasterise(&tin, &Grid::on_multiples(lo, hi, cell), None, progress))
 }
 
-/// The largest round size that is at most `wanted`, or the smallest one that keeps the number of cells.
-fn cell_size(wanted: f64, extent: DVec2) -> f64 {
+/// The largest round size that is at most `wanted`, or the smallest one that keeps the number of cells. `None` if none does.
+fn cell_size(wanted: f64, extent: DVec2) -> Option<f64> {
     let round = || (-9..10).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(power)));
-    let smallest = round().find(|size| (extent / *size).ceil().element_product() <= MOST_CELLS);
-    round().take_while(|size| *size <= wanted).last().unwrap_or(wanted).max(smallest.unwrap_or(wanted))
+    let smallest = round().find(|size| (extent / *size).ceil().element_product() <= MOST_CELLS)?;
+    round().take_while(|size| *size <= wanted).last().into_iter().chain([smallest]).reduce(f64::max)
 }
 
 #[cfg(test)]
@@ -97,7 +98,9 @@ mod tests {
 
     #[test]
     fn many_small_triangles_do_not_make_too_many_cells() {
-        assert_eq!(cell_size(0.3, DVec2::splat(100.0)), 0.2);
-        assert_eq!(cell_size(0.001, DVec2::splat(10_000.0)), 2.0);
+        assert_eq!(cell_size(0.3, DVec2::splat(100.0)), Some(0.2));
+        assert_eq!(cell_size(0.001, DVec2::splat(10_000.0)), Some(2.0));
+        assert_eq!(cell_size(0.001, DVec2::splat(1e20)), None);
+        assert_eq!(cell_size(f64::NAN, DVec2::splat(10.0)), Some(0.002));
     }
 }

@@ -85,6 +85,9 @@ fn parse(xml: &mut Xml<'_, '_>) -> Result<Surface> {
                         let (places, z) = positions(&text, 3).map_err(|what| xml.error(format!("a point: {what}")))?;
                         let missing = || xml.error("a point has no number");
                         for (place, z) in places.iter().zip(z) {
+                            if !place.is_finite() || !z.is_finite() {
+                                return Err(xml.error(format!("the point {text:.80} is no place")));
+                            }
                             numbers.insert(id.ok_or_else(missing)?, surface.points.len() as u32);
                             surface.points.push(place.extend(z));
                         }
@@ -184,6 +187,8 @@ mod tests {
         assert!(wrong("<F>1 7 2</F>", "<F>1 7 x</F>").contains("x is no number"));
         assert!(wrong("<P id=\"1\">", "<P>").contains("a point has no number"));
         assert!(wrong("0 0 10</P>", "0 10</P>").contains("2 numbers are no positions"));
+        assert!(wrong("0 0 10</P>", "0 inf 10</P>").contains("is no place"));
+        assert!(wrong("0 0 10</P>", "0 1e300 10</P>").contains("a coordinate is wrong"));
         assert!(wrong("F", "G").contains("no triangle has an area"));
         let second =
             r#"</Surface><Surface name="road"><Definition><Pnts><P id="1">0 0 1</P></Pnts><Faces><F>1 1 1</F>"#;
