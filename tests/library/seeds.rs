@@ -50,7 +50,7 @@ fn every_reader_takes_what_the_fuzzer_found() {
         let name = target.file_name().unwrap().to_str().unwrap();
         let extension = match name {
             "pipeline" => continue,
-            "gsi" => "xml",
+            "gsi" | "landxml" => "xml",
             _ => name.rsplit('_').next().unwrap(),
         };
         for seed in seeds(&target) {

@@ -195,4 +195,16 @@ mod tests {
         let two = wrong("</Surface>", &format!("{second}</Faces></Definition></Surface>"));
         assert!(two.contains("more than one surface (site, road)"), "{two}");
     }
+
+    #[test]
+    fn broken_documents_are_errors_and_never_panic() {
+        for end in (0..TEXT.len() - 1).step_by(7) {
+            assert!(height_map(&TEXT[..end]).is_err(), "{}", &TEXT[..end]);
+        }
+        for at in (0..TEXT.len()).step_by(37) {
+            let mut bytes = TEXT.as_bytes().to_vec();
+            bytes[at] ^= 0x15;
+            let _ = height_map(&String::from_utf8_lossy(&bytes));
+        }
+    }
 }
