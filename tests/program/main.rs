@@ -28,6 +28,7 @@ mod for_map;
 mod geopackage_locks;
 mod geoparquet;
 mod guide_pages;
+mod height_map_models;
 mod height_systems;
 mod hulls;
 mod labels;

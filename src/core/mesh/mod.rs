@@ -5,6 +5,7 @@
 //! collapses or turns over. Where the ground touches itself at a single point, this point becomes several vertices. So
 //! the triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
 
+mod cells;
 mod cut;
 mod drawing;
 mod light;
@@ -115,17 +116,33 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
     }
 }
 
-/// Few triangles between the centres of the cells of a height map, none further than `tolerance` (metres) from the height of a cell
-/// that it covers. Coordinates of the height map are in metres.
+/// Triangles between the centres of the cells of a height map, as an open shell. With a `tolerance` (metres) there are few of them,
+/// none further than this from the height of a cell that it covers; otherwise two between each four neighbouring cells. Cells without
+/// heights are no ground. Of a `part`, the triangles are cut at its border. Coordinates of the height map are in metres.
 ///
 /// # Errors
-/// [`Error::Data`] if no four neighbouring cells have heights. [`Error::OutOfRange`] for a tolerance that is not above 0.
-pub fn height_mesh(dem: &Dem, tolerance: f64) -> Result<Mesh> {
-    let outline = Outline::of_cells(dem);
-    if outline.edges.is_empty() {
-        return Err(Error::Data("no four neighbouring cells have heights to make a mesh of".into()));
+/// [`Error::Data`] if no four neighbouring cells have heights, or none in the part. [`Error::OutOfRange`] for a tolerance that is not
+/// above 0.
+pub fn height_mesh(dem: &Dem, part: Option<&MultiPolygon<f64>>, tolerance: Option<f64>) -> Result<Mesh> {
+    let light = |outline: &Outline, tolerance| match outline.edges.is_empty() {
+        true => Ok(Tin::default()),
+        false => light::light(outline, dem, tolerance),
+    };
+    let tin = match (part, tolerance) {
+        (None, None) => cells::of_cells(dem),
+        (None, Some(tolerance)) => light(&Outline::of_cells(dem), tolerance)?,
+        (Some(area), _) => {
+            let cut = cut::cut(&cells::of_cells(&dem.beyond(area)), area)?;
+            let few = tolerance.map(|tolerance| light(&Outline::of_tin(&cut), tolerance)).transpose()?;
+            few.unwrap_or(cut)
+        }
+    };
+    if tin.is_empty() {
+        let place = if part.is_some() { " in this part of the map" } else { "" };
+        let message = format!("no four neighbouring cells have heights{place} to make a mesh of");
+        return Err(Error::Data(message));
     }
-    of_tin(&light::light(&outline, dem, tolerance)?, dem.crs.as_ref())
+    of_tin(&tin, dem.crs.as_ref())
 }
 
 /// The triangles inside a triangulation as an open shell.

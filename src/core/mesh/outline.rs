@@ -24,8 +24,7 @@ impl Outline {
 
     /// The outline of the squares between four cells with heights. Its origin is in whole numbers, near the middle.
     pub fn of_cells(dem: &Dem) -> Self {
-        let [low, high] = dem.corners();
-        let origin = low.midpoint(high).round();
+        let origin = middle(dem);
         let (mut vertices, mut edges) = (Vec::new(), Vec::new());
         for mut ring in square_outlines(dem).into_iter().flatten() {
             ring.dedup();
@@ -39,6 +38,12 @@ impl Outline {
         }
         Self { vertices, edges, origin }
     }
+}
+
+/// The middle of a height map, in whole numbers.
+pub(super) fn middle(dem: &Dem) -> DVec2 {
+    let [low, high] = dem.corners();
+    low.midpoint(high).round()
 }
 
 /// The height of a cell at a whole-numbered place.

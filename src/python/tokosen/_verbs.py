@@ -25,7 +25,8 @@ from tokosen._options import (
     options,
 )
 from tokosen._sources import is_frame, places, source, sources
-from tokosen._terrain import Mesh, Terrain, is_several, levels_of, terrain_for_dem
+from tokosen._mesh import Mesh
+from tokosen._terrain import Terrain, is_several, levels_of, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
 
