@@ -9,7 +9,7 @@ use tokosen_core::base::error::Result;
 use tokosen_core::base::progress::Progress;
 use tokosen_core::contour::Target;
 use tokosen_core::layers::LayerParams;
-use tokosen_core::mesh::{Light, Mesh, MeshParams};
+use tokosen_core::mesh::{Keep, Light, Mesh, MeshParams};
 use tokosen_core::raster::{Dem, mask};
 use tokosen_core::skeleton::SkeletonKind;
 use tokosen_core::slice::label_layers;
@@ -53,9 +53,9 @@ impl Terrain {
         let tolerance = params.tolerance.unwrap_or(TOLERANCE * surface.interval.step);
         let (lo, hi) = surface.frame.extent();
         let size = hi - lo;
-        let own = Light { tolerance, cell: params.cell }.grid(surface).cell.x;
+        let own = Light { tolerance, cell: params.cell, keep: Keep::Nothing }.grid(surface).cell.x;
         let cell = params.cell.unwrap_or_else(|| own.max((size.x * size.y / MOST_CELLS).sqrt()));
-        let light = Light { tolerance, cell: Some(cell) };
+        let light = Light { tolerance, cell: Some(cell), keep: Keep::Nothing };
         self.check_light(&light)?;
         let mut heights = light.heights(surface);
         if let Some(area) = self.part() {

@@ -36,6 +36,7 @@ mod maps;
 mod models;
 mod negative_numbers;
 mod no_ordinary_files;
+mod obj;
 mod other_crs;
 mod other_inputs;
 mod out_of_proportion;

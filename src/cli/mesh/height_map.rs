@@ -79,7 +79,7 @@ pub fn run(args: &MeshArgs, form: Form, plates: Option<PlateParams>, console: &C
 /// Refuses flags that apply to contours.
 fn check(args: &MeshArgs, form: Form, console: &Console) -> Result<(), Failure> {
     let flags = &console.flags;
-    let own = ["--points", "--uncertainty"];
+    let own = ["--points", "--uncertainty", "--keep"];
     let for_contours = InputArgs::about_contours(flags, &["--crs", "--plane-unit"])
         .or_else(|| flags.first(&own))
         .or_else(|| about_surface(flags));

@@ -4,13 +4,13 @@ mod height_map;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
 use tokosen::crs::Reprojection;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::mesh::{MESH_EXTENSIONS, PRINT_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
 use tokosen::io::{Content, PLATE_EXTENSIONS, StagedOutput};
-use tokosen::mesh::{Light, Mesh, MeshParams, PrintParams};
+use tokosen::mesh::{Keep, Light, Mesh, MeshParams, PrintParams};
 use tokosen::plates::PlateParams;
 use tokosen::surface::{Triangles, Uncertainty};
 use tokosen::terrain::HtmlParams;
@@ -51,11 +51,14 @@ pub struct MeshArgs {
     /// .stl and .3mf: 2 mm of the print below the lowest ground]
     #[arg(long, alias = "base", value_name = "HEIGHT", help_heading = "Output")]
     base_height: Option<f64>,
-    /// Few triangles, none further than this from the surface at the centre of a cell. Contours are no edges of them then [m]
+    /// Few triangles, none further than this from the surface at the centre of a cell. Contours are edges of them with --keep [m]
     /// [default: all triangles of the surface or between cells; in a page, a twentieth of the interval, or without one a
     /// five-hundredth of the relief]
     #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
     tolerance: Option<f64>,
+    /// Lines that stay edges of the triangles of --tolerance, or chains of edges, with all their vertices
+    #[arg(long, value_enum, default_value_t = KeepArg::None, value_name = "contours|breaklines|none", help_heading = "Output")]
+    keep: KeepArg,
     /// Size of the cells of --tolerance and of a page; for a height map, of a page alone [m] [default: those that the surface is
     /// made on; those of the height map]
     #[arg(long, value_name = "SIZE", help_heading = "Output")]
@@ -91,11 +94,22 @@ Examples:
   tokosen mesh contours.gpkg -i 4 -o terrain.html
   tokosen mesh contours.gpkg --tolerance 0.5 -o terrain.glb
   tokosen mesh dem.tif --tolerance 0.5 -o terrain.glb
+  tokosen mesh contours.gpkg --tolerance 0.5 --keep contours -o surface.xml
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
   tokosen mesh contours.gpkg --size 180mm --exaggeration 1.5 -o print.3mf
   tokosen mesh contours.gpkg --thickness 3mm -i 20 --size 300mm -o plates.svg
   tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum KeepArg {
+    /// The contours of the input, and break lines
+    Contours,
+    /// Break lines
+    Breaklines,
+    /// No lines
+    None,
+}
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,7 +158,9 @@ impl MeshArgs {
             ),
             (&["--uncertainty"], "is for pages: write .html", form == Form::Page),
             (&["--preview"], "is for models: a page shows the terrain itself", form != Form::Page),
-            (&["--preview", "--tolerance", "--cell"], "is not for plates", form != Form::Plates),
+            (&["--preview", "--tolerance", "--cell", "--keep"], "is not for plates", form != Form::Plates),
+            (&["--keep"], "is for models: a page shows the lines themselves", form != Form::Page),
+            (&["--keep"], "needs --tolerance: without it, all lines are edges", self.tolerance.is_some()),
             (&["--cell"], "needs --tolerance", form == Form::Page || self.tolerance.is_some()),
         ] {
             if let Some(flag) = console.flags.first(flags).filter(|_| !fits) {
@@ -176,7 +192,12 @@ impl MeshArgs {
 
     /// How few triangles there are to be, and where.
     fn light(&self) -> Option<Light> {
-        self.tolerance.map(|tolerance| Light { tolerance, cell: self.cell })
+        let keep = match self.keep {
+            KeepArg::Contours => Keep::Contours,
+            KeepArg::Breaklines => Keep::BreakLines,
+            KeepArg::None => Keep::Nothing,
+        };
+        self.tolerance.map(|tolerance| Light { tolerance, cell: self.cell, keep })
     }
 
     /// Writes the model, and draws its picture. Gives the model that was written.

@@ -32,7 +32,7 @@ pub(super) fn of_cells(dem: &Dem) -> Tin {
             let beyond_west = squares.triangle(col.checked_sub(1), Some(row), |_| 1);
             let beyond_east = squares.triangle(Some(col + 1), Some(row), |_| 0);
             // The triangles of other squares at their southern and northern sides.
-            let beyond_south = squares.triangle(Some(col), Some(row + 1), |falls| u32::from(falls));
+            let beyond_south = squares.triangle(Some(col), Some(row + 1), u32::from);
             let beyond_north = squares.triangle(Some(col), row.checked_sub(1), |falls| u32::from(!falls));
             if squares.falls(col, row) {
                 tin.triangles.extend([[nw, sw, se], [nw, se, ne]]);

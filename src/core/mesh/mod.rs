@@ -36,7 +36,7 @@ const UNSET: u32 = u32::MAX;
 pub struct MeshParams {
     /// Height of the flat bottom of a solid, metres. `None` gives an open shell.
     pub base: Option<f64>,
-    /// Few triangles instead of all those of the surface. Contours are no edges of them.
+    /// Few triangles instead of all those of the surface.
     pub light: Option<Light>,
 }
 
@@ -48,6 +48,20 @@ pub struct Light {
     /// Size of the cells, metres. `None` gives those that the smooth surface is made on, or a quarter of the mean distance between
     /// contours.
     pub cell: Option<f64>,
+    /// The lines that stay edges of the triangles.
+    pub keep: Keep,
+}
+
+/// The lines of a surface that stay edges of few triangles, or chains of edges: with all their vertices, and their heights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// None.
+    #[default]
+    Nothing,
+    /// Break lines.
+    BreakLines,
+    /// Break lines, and the contours of the input.
+    Contours,
 }
 
 impl Light {
@@ -107,7 +121,16 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
     if !(0..tin.len() as u32).any(|t| tin.is_inside(t)) {
         return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
     }
-    let few = |light: Light| light::light(&Outline::of_tin(tin), &light.heights(surface), light.tolerance);
+    let few = |light: Light| {
+        let mut outline = Outline::of_tin(tin);
+        if light.keep == Keep::Contours {
+            outline = outline.with_contours(tin);
+        }
+        if light.keep != Keep::Nothing {
+            outline = outline.with_lines(surface.break_lines.iter().map(|line| line.points.clone()));
+        }
+        light::light(&outline, &light.heights(surface), light.tolerance)
+    };
     let few = params.light.map(few).transpose()?;
     let mesh = of_tin(few.as_ref().unwrap_or(tin), surface.map.crs.as_ref())?;
     match params.base {

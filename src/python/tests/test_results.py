@@ -74,7 +74,7 @@ def test_models_and_pages_of_a_height_map(part, tmp_path):
     assert solid.is_solid and solid.vertices[:, 2].min() == 0
     few.to_file(tmp_path / "surface.xml")
     page = dem.to_html(20, title="part")
-    assert page.startswith("<!DOCTYPE html>") and '"title":"part"' in page and '"added":"' in page
+    assert page.startswith("<!DOCTYPE html>") and '"title":"part"' in page and '"contours":"' in page
     with pytest.raises(tokosen.ParameterError, match="models are made of heights"):
         tokosen.derive(dem, "slope").mesh()
     with pytest.raises(tokosen.Error, match="no cell with a height"):

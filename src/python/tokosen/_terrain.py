@@ -15,7 +15,7 @@ from tokosen._errors import FindingWarning, ParameterError
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
 from tokosen._mesh import Mesh
-from tokosen._options import RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
+from tokosen._options import Keep, RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
 from tokosen._sources import is_frame, sources
 from tokosen._work import Progress, reporting, warn_of
 
@@ -287,12 +287,14 @@ class Terrain:
         *,
         tolerance: float | None = None,
         cell: float | None = None,
+        keep: Keep = "none",
         progress: Progress = None,
     ) -> Mesh:
         """A 3-D model of the surface; a closed solid if the height of its flat bottom is given, metres.
 
         With a `tolerance`, it has few triangles, none further than this from the surface at the centre of a cell of size `cell`,
-        metres.
+        metres. Lines to `keep` are edges of these triangles, or chains of edges, with all their vertices: "contours" (of the input,
+        with break lines), "breaklines" or "none".
 
         >>> terrain = tokosen.Terrain(tokosen.example())
         >>> terrain.mesh().is_solid
@@ -302,8 +304,10 @@ class Terrain:
         """
         if cell is not None and tolerance is None:
             raise ParameterError("cell has a meaning only with a tolerance")
+        if keep != "none" and tolerance is None:
+            raise ParameterError("keep has a meaning only with a tolerance: without it, all lines are edges")
         with reporting(progress) as report:
-            return Mesh(self._terrain.mesh(base_height, tolerance, cell, report))
+            return Mesh(self._terrain.mesh(base_height, tolerance, cell, keep, report))
 
     def to_html(
         self,

@@ -111,6 +111,7 @@ def mesh(
     *,
     tolerance: float | None = None,
     cell: float | None = None,
+    keep: Keep = "none",
     progress: Progress = None,
     **given: Unpack[SurfaceOptions],
 ) -> Mesh:
@@ -120,7 +121,7 @@ def mesh(
     True
     """
     terrain = Terrain(contours, cell=cell, progress=progress, **given)
-    return terrain.mesh(base_height, tolerance=tolerance, cell=cell, progress=progress)
+    return terrain.mesh(base_height, tolerance=tolerance, cell=cell, keep=keep, progress=progress)
 
 
 def regions(
