@@ -31,7 +31,7 @@ const BYTES_PER_CELL: f64 = 320.0;
 pub struct DemModel {
     heights: Dem,
     part: Option<MultiPolygon<f64>>,
-    memory: Option<u64>,
+    pub(super) memory: Option<u64>,
     is_interpolated: bool,
     /// The conversion between the plane and the coordinates of the height map, if these are a drawing in another unit than metres.
     pub reprojection: Reprojection,
@@ -108,26 +108,31 @@ impl DemModel {
     }
 
     /// Millimetres of a model in layers for each metre.
-    pub fn plate_scale(&self, params: &PlateParams) -> f64 {
+    ///
+    /// # Errors
+    /// [`Error::Data`] if no four neighbouring cells have heights, or none in the part.
+    pub fn plate_scale(&self, params: &PlateParams) -> Result<f64> {
         let corners: Vec<DVec2> = square_outlines(&self.heights).into_iter().flatten().flatten().collect();
-        let ground = Bounds::around(&corners);
-        let part: Vec<DVec2> = self
-            .part
-            .iter()
-            .flatten()
-            .flat_map(|area| area.exterior().coords())
-            .map(|c| DVec2::new(c.x, c.y))
-            .collect();
-        let part = if part.is_empty() { ground } else { Bounds::around(&part) };
-        params.size / (ground.max.min(part.max) - ground.min.max(part.min)).max_element()
+        let mut ground = Bounds::around(&corners);
+        if let Some(part) = &self.part {
+            let corners = part.iter().flat_map(|area| area.exterior().coords()).map(|c| DVec2::new(c.x, c.y));
+            let part = Bounds::around(&corners.collect::<Vec<_>>());
+            ground = Bounds { min: ground.min.max(part.min), max: ground.max.min(part.max) };
+        }
+        let size = ground.max - ground.min;
+        if !size.cmpgt(DVec2::ZERO).all() {
+            let place = if self.part.is_some() { " in this part of the map" } else { "" };
+            return Err(Error::Data(format!("no four neighbouring cells have heights{place} to make plates of")));
+        }
+        Ok(params.size / size.max_element())
     }
 
     /// The plates of a model in layers: the ground at or above each level, between contours of the height map.
     ///
     /// # Errors
-    /// As [`plates`], [`PlateParams::steps`] and [`contours`].
+    /// As [`DemModel::plate_scale`], [`plates`], [`PlateParams::steps`] and [`contours`].
     pub fn plates(&self, params: &PlateParams, progress: &dyn Progress) -> Result<Report<Plates>> {
-        let scale = self.plate_scale(params);
+        let scale = self.plate_scale(params)?;
         let (interval, _) = params.steps(scale)?;
         let (target, unit, memory) = (Target::from(interval), ElevationUnit::Metre, self.memory);
         let traced = ContourParams {

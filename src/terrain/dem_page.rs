@@ -1,17 +1,21 @@
 //! A height map in 3-D as a page: [`DemModel::to_html`].
 
 use super::dem_model::DemModel;
+use super::grid::GridSpec;
 use super::html::{HtmlParams, MOST_CELLS, TOLERANCE, exaggeration, of_relief};
+use super::part::box_area;
 use super::plane_cells::{Window, cells_on_plane};
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::base::progress::{Progress, step};
 use tokosen_core::base::{Grid, Units};
 use tokosen_core::contour::Target;
+use tokosen_core::crs::Reprojection;
 use tokosen_core::dem::compare::heights_between;
 use tokosen_core::dem::contour::{ContourParams, contours};
 use tokosen_core::mesh::height_mesh;
 use tokosen_core::raster::{Dem, mask};
 use tokosen_core::slice::label_layers;
+use tokosen_core::subdomains::FrameRing;
 use tokosen_draw::terrain_page::{TerrainPage, terrain_page};
 
 impl DemModel {
@@ -23,7 +27,7 @@ impl DemModel {
     /// interval, or a five-hundredth of the relief.
     ///
     /// # Errors
-    /// As [`DemModel::mesh`] and [`contours`].
+    /// As [`DemModel::mesh`] and [`contours`]. [`Error::TooManyCells`] for cells that are too small.
     pub fn to_html(&self, params: &HtmlParams, progress: &dyn Progress) -> Result<String> {
         let (mut heights, part) = (self.page_cells(params.cell)?, self.part());
         let tolerance = params.tolerance.unwrap_or_else(|| match params.target {
@@ -72,6 +76,8 @@ impl DemModel {
             return Ok(cells);
         };
         let (lo, hi) = window.corners(&own.grid);
+        let covered = FrameRing { area: box_area([lo.x, lo.y, hi.x, hi.y])? };
+        GridSpec::Cell(size).over(&Reprojection::default())?.check_room(&covered, false, self.memory)?;
         let grid = Grid::on_multiples(lo, hi, size);
         Ok(Dem { grid, values: heights_between(own, &grid, &Some), crs: own.crs.clone() })
     }

@@ -180,3 +180,17 @@ fn flags_about_contours_are_refused() {
     let said = folder.ends("mesh hills.asc hills.asc -o a.ply", USAGE);
     assert!(said.contains("only one height map can be the input"), "{said}");
 }
+
+#[test]
+fn a_row_of_cells_is_no_ground_and_cells_of_a_page_are_not_too_many() {
+    let folder = hills();
+    fs::write(folder.path("row.asc"), "ncols 4\nnrows 1\nxllcorner 5000\nyllcorner 3000\ncellsize 10\n1 2 3 4\n")
+        .unwrap();
+    for output in ["-o a.ply", "-o a.stl --tolerance 1", "-o a.html -i 1", "-o a.svg --thickness 3mm"] {
+        let said = folder.ends(&format!("mesh row.asc {output}"), WORK);
+        assert!(said.contains("no four neighbouring cells have heights"), "{output}: {said}");
+    }
+    let (well, said) = folder.run("mesh hills.asc --cell 0.00001 -o a.html");
+    assert!(!well && said.contains("cells"), "{said}");
+    assert!(!folder.path("a.html").exists());
+}

@@ -46,7 +46,7 @@ pub fn run(args: &MeshArgs, form: Form, plates: Option<PlateParams>, console: &C
         }
         (_, Some(params)) => {
             let made = model.plates(&params, console)?.collect(&mut findings);
-            let made = (made, params, model.plate_scale(&params));
+            let made = (made, params, model.plate_scale(&params)?);
             Written::Plates(plates::write(made, &staged, &args.input.map.files()?, console)?)
         }
         _ => {

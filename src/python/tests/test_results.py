@@ -75,6 +75,12 @@ def test_models_and_pages_of_a_height_map(part, tmp_path):
     few.to_file(tmp_path / "surface.xml")
     page = dem.to_html(20, title="part")
     assert page.startswith("<!DOCTYPE html>") and '"title":"part"' in page and '"contours":"' in page
+    terrain = tokosen.Terrain(part)
+    kept = terrain.mesh(tolerance=5, keep="contours")
+    assert len(kept.triangles) > len(terrain.mesh(tolerance=5).triangles)
+    for given in ({"keep": "contours"}, {"keep": "rivers", "tolerance": 5}):
+        with pytest.raises(tokosen.ParameterError, match="keep"):
+            terrain.mesh(**given)
     with pytest.raises(tokosen.ParameterError, match="models are made of heights"):
         tokosen.derive(dem, "slope").mesh()
     with pytest.raises(tokosen.Error, match="no cell with a height"):

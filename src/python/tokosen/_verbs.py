@@ -12,9 +12,11 @@ from tokosen._crs import crs_text
 from tokosen._dem import Dem, raster
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
+from tokosen._mesh import Mesh
 from tokosen._options import (
     CheckOptions,
     GroundOptions,
+    Keep,
     RegionOptions,
     SideOptions,
     SkeletonOptions,
@@ -25,7 +27,6 @@ from tokosen._options import (
     options,
 )
 from tokosen._sources import is_frame, places, source, sources
-from tokosen._mesh import Mesh
 from tokosen._terrain import Terrain, is_several, levels_of, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
