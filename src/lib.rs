@@ -44,6 +44,7 @@
 //! | [`dem::derive::flow_directions`], [`flow_accumulation`](dem::derive::flow_accumulation), [`catchments`](dem::derive::catchments) | a height map | where water flows, how many cells drain through each, [`Catchments`](dem::derive::Catchments) |
 //! | [`dem::derive::catchments_above`], [`flow_lines`](dem::derive::flow_lines), [`flood_to_level`](dem::derive::flood_to_level) | where water flows | the ground above an outlet, streams as lines, ground under water |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
+//! | [`terrain::DemModel`] | a height map | a [`Mesh`](mesh::Mesh), [`plates::Plates`], or a page in HTML, of its ground |
 //! | [`Terrain::plates`] | a terrain, a thickness | [`plates::Plates`]: layers of a model, to be cut out with a laser |
 //! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |
 //! | [`dem::compare::compare`] | two height maps on one grid | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |

@@ -237,7 +237,7 @@ impl DeriveArgs {
         let flags = &console.flags;
         let for_contours = flags
             .first(ABOUT_GRID.iter().chain(&["--to-crs", "--base", "--points"]))
-            .or_else(|| InputArgs::about_contours(flags, Some("--plane-unit")))
+            .or_else(|| InputArgs::about_contours(flags, &["--plane-unit"]))
             .or_else(|| flags.first(&["--extent", "--clip"]).or_else(|| about_surface(flags)));
         if let Some(flag) = for_contours.filter(|_| is_raster) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map")));

@@ -51,12 +51,12 @@ impl<'a> Scope<'a> {
 }
 
 impl InputArgs {
-    /// The first flag that applies to contours, if one is given; a run without contours must not ignore it. `but` is a flag
-    /// that applies to height maps too.
-    pub fn about_contours(flags: &Flags, but: Option<&str>) -> Option<&'static str> {
+    /// The first flag that applies to contours, if one is given; a run without contours must not ignore it. `but` are flags
+    /// that apply to height maps too.
+    pub fn about_contours(flags: &Flags, but: &[&str]) -> Option<&'static str> {
         let of_roles = Role::all().filter(|role| role.serves() == Serves::Contours).map(Role::flag);
         let all = ABOUT_CONTOURS.into_iter().chain(["--fit", "--sample"]).chain(of_roles);
-        all.filter(|flag| Some(*flag) != but).find(|flag| flags.has(flag))
+        all.filter(|flag| !but.contains(flag)).find(|flag| flags.has(flag))
     }
 
     /// Reads and prepares the map. A height map that is too large is refused before the preparation.

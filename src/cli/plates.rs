@@ -6,7 +6,6 @@ use clap::Args;
 use glam::DVec2;
 use tokosen::io::{PlannedOutput, StagedOutput, check_paths, sheet_files, write_plates};
 use tokosen::plates::{Plate, PlateParams, Plates, Rise, SMALLEST};
-use tokosen::terrain::Terrain;
 
 use super::console::Console;
 use super::failure::Failure;
@@ -47,25 +46,22 @@ pub struct Made {
     scale: f64,
 }
 
-/// Makes plates of a terrain and writes them under temporary names.
+/// Writes plates under temporary names: what was made, what was asked for, and the scale in millimetres for each metre.
 ///
-/// Findings about them are added to those of the terrain. Files of these names are not replaced if another program made them, or
-/// if they are `inputs`.
+/// Files of these names are not replaced if another program made them, or if they are `inputs`.
 pub fn write(
-    (terrain, params): (&mut Terrain, PlateParams),
+    (plates, params, scale): (Plates, PlateParams, f64),
     staged: &StagedOutput,
     inputs: &[PathBuf],
     console: &Console,
 ) -> Result<Made, Failure> {
-    let plates = terrain.plates(&params, console)?;
-    let plates = plates.collect(&mut terrain.findings);
     // How many files there are is known only now.
     let files = sheet_files(staged.target(), plates.sheets.len());
     let outputs: Vec<PlannedOutput<'_>> = files.iter().map(|file| file.as_path().into()).collect();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     check_paths(&inputs, &outputs, console.overwrite)?;
     console.step("writing", || write_plates(staged, &plates))?;
-    Ok(Made { plates, params, scale: terrain.plate_scale(&params) })
+    Ok(Made { plates, params, scale })
 }
 
 impl Made {

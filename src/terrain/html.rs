@@ -9,8 +9,8 @@ use tokosen_core::base::error::Result;
 use tokosen_core::base::progress::Progress;
 use tokosen_core::contour::Target;
 use tokosen_core::layers::LayerParams;
-use tokosen_core::mesh::{Light, Mesh, MeshParams};
-use tokosen_core::raster::mask;
+use tokosen_core::mesh::{Keep, Light, Mesh, MeshParams};
+use tokosen_core::raster::{Dem, mask};
 use tokosen_core::skeleton::SkeletonKind;
 use tokosen_core::slice::label_layers;
 use tokosen_core::surface::{standard_errors, water_cells};
@@ -20,6 +20,8 @@ use tokosen_draw::terrain_page::{TerrainPage, terrain_page};
 pub(super) const MOST_CELLS: f64 = 1e6;
 /// Largest distance of the triangles from the heights, in contour intervals: less than the width of a contour on most screens.
 pub(super) const TOLERANCE: f64 = 0.05;
+/// Largest distance of the triangles from the heights, as a share of the relief, if no contours say more.
+const TOLERANCE_OF_RELIEF: f64 = 1.0 / 500.0;
 /// Height of the terrain that a page shows, at least: as a share of the diagonal of the map.
 const TALL: f64 = 0.12;
 /// Largest factor on heights that a page begins with.
@@ -51,9 +53,9 @@ impl Terrain {
         let tolerance = params.tolerance.unwrap_or(TOLERANCE * surface.interval.step);
         let (lo, hi) = surface.frame.extent();
         let size = hi - lo;
-        let own = Light { tolerance, cell: params.cell }.grid(surface).cell.x;
+        let own = Light { tolerance, cell: params.cell, keep: Keep::Nothing }.grid(surface).cell.x;
         let cell = params.cell.unwrap_or_else(|| own.max((size.x * size.y / MOST_CELLS).sqrt()));
-        let light = Light { tolerance, cell: Some(cell) };
+        let light = Light { tolerance, cell: Some(cell), keep: Keep::Nothing };
         self.check_light(&light)?;
         let mut heights = light.heights(surface);
         if let Some(area) = self.part() {
@@ -96,6 +98,13 @@ impl Terrain {
             units,
         }))
     }
+}
+
+/// The tolerance of triangles over heights without contours, metres.
+pub(super) fn of_relief(heights: &Dem) -> f64 {
+    let relief = heights.values.iter().filter(|height| height.is_finite());
+    let (low, high) = relief.fold((f32::MAX, f32::MIN), |(low, high), z| (low.min(*z), high.max(*z)));
+    f64::from(high - low).max(1e-3) * TOLERANCE_OF_RELIEF
 }
 
 /// The factor on heights that a page of a map of some size begins with.

@@ -10,6 +10,9 @@ mod beside;
 mod clipped;
 mod compare;
 mod dem_area;
+mod dem_model;
+#[cfg(feature = "draw")]
+mod dem_page;
 #[cfg(feature = "draw")]
 mod difference_page;
 mod facade;
@@ -30,6 +33,7 @@ mod outline;
 pub(crate) mod part;
 mod places;
 mod plane;
+mod plane_cells;
 #[cfg(feature = "io")]
 mod planned;
 mod plates;
@@ -59,6 +63,7 @@ pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 #[cfg(feature = "io")]
 pub use dem_area::read_area_on;
 pub use dem_area::{area_on, extent_on};
+pub use dem_model::DemModel;
 #[cfg(feature = "draw")]
 pub use difference_page::difference_page;
 pub use facade::Terrain;

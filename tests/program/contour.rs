@@ -253,7 +253,6 @@ fn wrong_usage_and_wrong_input_say_what_to_do() {
         ("contour lines.geojson -i 5 -o a.gpkg", 1, "'tokosen densify' makes denser contours"),
         ("densify dem.tif -i 5 -o a.gpkg", 1, "'tokosen contour' draws its contours"),
         ("dem dem.tif --cell 5 -o a.tif", 1, "'tokosen contour' draws its contours"),
-        ("mesh dem.tif -o a.ply", 1, "'tokosen contour' draws its contours"),
         ("regions dem.tif -o a.gpkg", 1, "'tokosen contour' draws its contours"),
         ("skeleton dem.tif -o a.gpkg", 1, "'tokosen contour' draws its contours"),
         ("check dem.tif", 1, "'tokosen contour' draws its contours"),

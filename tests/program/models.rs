@@ -5,6 +5,7 @@
 use std::fs;
 use std::io::Read;
 
+use crate::obj::Obj;
 use crate::running::{Running, folder_with_part};
 
 /// Status of wrong usage.
@@ -101,6 +102,9 @@ fn flags_that_have_no_meaning_are_refused() {
         ("-o a.ply -i 5", "--interval is for pages and plates"),
         ("-o a.stl --uncertainty", "--uncertainty is for pages"),
         ("-o a.ply --cell 5", "--cell needs --tolerance"),
+        ("-o a.ply --keep contours", "--keep needs --tolerance"),
+        ("-o a.html --keep contours --tolerance 1", "--keep is for models"),
+        ("-o a.svg --thickness 3mm --keep contours", "--keep is not for plates"),
         ("-o a.html --preview a.png", "--preview is for models"),
         ("-o a.html --base-height 0", "--base-height makes a solid"),
         ("-o a.xml --base-height 0", "--base-height makes a solid"),
@@ -113,4 +117,73 @@ fn flags_that_have_no_meaning_are_refused() {
     }
     let said = folder.ends("mesh in.gpkg --base-height 9000 -o a.stl", USAGE);
     assert!(said.contains("it must be below the lowest height"), "{said}");
+}
+
+#[test]
+fn lines_that_are_kept_are_edges_with_all_their_vertices() {
+    let folder = folder_with_part("in.gpkg");
+    let breaks = r#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:32616"}},"features":[
+        {"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":
+        [[745511.3,4018202.7],[746003.1,4018390.4],[746702.9,4018501.2]]}}]}"#;
+    fs::write(folder.path("breaks.geojson"), breaks).unwrap();
+    // The contours as they are drawn, in map coordinates.
+    folder.succeeds("densify in.gpkg -i 20 -o lines.geojson");
+    let lines: serde_json::Value = serde_json::from_slice(&fs::read(folder.path("lines.geojson")).unwrap()).unwrap();
+    let of_input = |feature: &&serde_json::Value| feature["properties"]["source"] == "input";
+    let contours: Vec<Vec<[f64; 3]>> = lines["features"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(of_input)
+        .map(|feature| {
+            let elevation = feature["properties"]["elev"].as_f64().unwrap();
+            let points = feature["geometry"]["coordinates"].as_array().unwrap();
+            points.iter().map(|p| [p[0].as_f64().unwrap(), p[1].as_f64().unwrap(), elevation]).collect()
+        })
+        .collect();
+    assert!(contours.iter().map(Vec::len).sum::<usize>() > 1000);
+    let given = "mesh in.gpkg --breaklines breaks.geojson --tolerance 2";
+    folder.succeeds(&format!("{given} -o none.obj"));
+    folder.succeeds(&format!("{given} --keep breaklines -o breaks.obj"));
+    folder.succeeds(&format!("{given} --keep contours -o all.obj"));
+    let [none, breaks, all] = ["none.obj", "breaks.obj", "all.obj"].map(|name| Obj::read(&folder, name));
+    let corners = [[745511.3, 4018202.7], [746003.1, 4018390.4], [746702.9, 4018501.2]];
+    let has = |model: &Obj, p: [f64; 2]| model.vertices.iter().any(|v| (v[0] - p[0]).hypot(v[1] - p[1]) < 1e-6);
+    for (model, is_kept) in [(&none, false), (&breaks, true), (&all, true)] {
+        assert!(corners.iter().all(|p| has(model, *p) == is_kept));
+    }
+    // Every vertex of a contour, and every piece of it as an edge, or as edges end to end.
+    let number = |p: [f64; 3]| p.map(|v| (v * 1e6).round() as i64);
+    let vertices: std::collections::HashMap<[i64; 3], usize> =
+        all.vertices.iter().enumerate().map(|(k, v)| (number(*v), k)).collect();
+    let edges: std::collections::HashSet<[usize; 2]> = all
+        .triangles
+        .iter()
+        .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]])
+        .flat_map(|[a, b]| [[a, b], [b, a]])
+        .collect();
+    let mut missing = 0;
+    for piece in contours.iter().flat_map(|line| line.windows(2)) {
+        let ends = [piece[0], piece[1]].map(|p| vertices.get(&number(p)).copied());
+        let [Some(from), Some(to)] = ends else { panic!("{piece:?} is not in the model") };
+        if !edges.contains(&[from, to]) {
+            let (length, way) = ((piece[1][0] - piece[0][0]).hypot(piece[1][1] - piece[0][1]), |v: [f64; 3]| {
+                [v[0] - piece[0][0], v[1] - piece[0][1]]
+            });
+            let [x, y] = way(piece[1]);
+            let off = |v: &[f64; 3]| {
+                let [a, b] = way(*v);
+                ((a * y - b * x) / length, (a * x + b * y) / length)
+            };
+            let mut chain: Vec<usize> = (0..all.vertices.len())
+                .filter(|k| {
+                    let (aside, along) = off(&all.vertices[*k]);
+                    aside.abs() < 1e-3 && (-1e-9..=length + 1e-9).contains(&along)
+                })
+                .collect();
+            chain.sort_by(|a, b| off(&all.vertices[*a]).1.total_cmp(&off(&all.vertices[*b]).1));
+            missing += usize::from(!chain.windows(2).all(|pair| edges.contains(&[pair[0], pair[1]])));
+        }
+    }
+    assert_eq!(missing, 0);
 }

@@ -167,8 +167,11 @@ fn the_commands_of_the_guide_make_models() {
     let folder = inputs();
     let commands = commands(include_str!("../../src/guide/models.md"));
     let is_plates = |command: &&&str| command.contains("--thickness");
-    assert_eq!(commands.iter().filter(is_plates).count(), 2);
+    assert_eq!(commands.iter().filter(is_plates).count(), 3);
     commands.iter().filter(is_plates).for_each(|command| assert!(run(&folder, command).contains("plates of")));
+    let of_height_map = |command: &&&str| command.contains("published_dem.tif") && !is_plates(command);
+    assert_eq!(commands.iter().filter(of_height_map).count(), 5);
+    commands.iter().filter(of_height_map).for_each(|command| assert!(run(&folder, command).contains("written ")));
 }
 
 #[test]

@@ -123,7 +123,7 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     args.shift.check(contents.contains(&Content::HeightMap))?;
     if contents == [Content::HeightMap; 2] {
         // Check points have a unit too.
-        let but = args.input.map.points.as_ref().map(|_| "--unit");
+        let but: &[&str] = if args.input.map.points.is_some() { &["--unit"] } else { &[] };
         let about_contours = InputArgs::about_contours(flags, but);
         if let Some(flag) = about_contours.or_else(|| about_surface(flags)) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but both inputs are height maps")));

@@ -153,7 +153,7 @@ pub fn check(
     if contents.contains(&Content::Contours) {
         return surface.check(flags);
     }
-    match InputArgs::about_contours(flags, None).or_else(|| about_surface(flags)) {
+    match InputArgs::about_contours(flags, &[]).or_else(|| about_surface(flags)) {
         Some(flag) => Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map"))),
         None => Ok(()),
     }

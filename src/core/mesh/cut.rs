@@ -29,21 +29,24 @@ pub(super) fn cut(tin: &Tin, area: &MultiPolygon<f64>) -> Result<Tin> {
         let near: Vec<Segment> = near.map(|edge| Segment { a: edge.from.into(), b: edge.to.into() }).collect();
         if near.is_empty() {
             if border.contains((corners[0] + corners[1] + corners[2]) / 3.0) {
-                parts.push(t, corners);
+                parts.push(t, corners, [Some(0), Some(1), Some(2)]);
             }
             continue;
         }
-        for piece in divided(corners, &near)? {
+        for (piece, sides) in divided(corners, &near)? {
             if border.contains((piece[0] + piece[1] + piece[2]) / 3.0) {
-                parts.push(t, piece);
+                parts.push(t, piece, sides);
             }
         }
     }
     Ok(parts.joined())
 }
 
+/// A piece of a triangle, and the sides of the triangle that its edges lie on.
+type Piece = ([DVec2; 3], [Option<usize>; 3]);
+
 /// The pieces of a triangle that edges divide.
-fn divided(corners: [DVec2; 3], edges: &[Segment]) -> Result<Vec<[DVec2; 3]>> {
+fn divided(corners: [DVec2; 3], edges: &[Segment]) -> Result<Vec<Piece>> {
     let sides = [0, 1, 2].map(|i| {
         // Both triangles at a side compute the same crossings.
         let (a, b) = (corners[i], corners[(i + 1) % 3]);
@@ -103,7 +106,9 @@ fn divided(corners: [DVec2; 3], edges: &[Segment]) -> Result<Vec<[DVec2; 3]>> {
     let sides_of = |v: u32| on_sides.get(&pieces.source[v as usize]).copied().unwrap_or(0);
     let is_sliver = |triangle: &[u32; 3]| triangle.iter().fold(7, |sides, v| sides & sides_of(*v)) != 0;
     let ground = pieces.triangles.iter().filter(|triangle| !is_sliver(triangle));
-    Ok(ground.map(|triangle| triangle.map(corner)).collect())
+    let side = |u: u32, v: u32| (0..3).find(|i| sides_of(u) & sides_of(v) & (1 << i) != 0);
+    let sides = |[a, b, c]: [u32; 3]| [side(a, b), side(b, c), side(c, a)];
+    Ok(ground.map(|triangle| (triangle.map(corner), sides(*triangle))).collect())
 }
 
 /// The triangles of the cut triangulation, up to now.
@@ -114,8 +119,8 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Adds a piece of triangle `t`.
-    fn push(&mut self, t: u32, piece: [DVec2; 3]) {
+    /// Adds a piece of triangle `t`. An edge that lies on a side of the triangle is what the side is.
+    fn push(&mut self, t: u32, piece: [DVec2; 3], sides: [Option<usize>; 3]) {
         let corners = self.tin.corners(t);
         let heights = self.tin.corner_heights(t);
         let cut = &mut self.cut;
@@ -128,6 +133,8 @@ impl Parts<'_> {
         };
         let triangle = piece.map(vertex);
         cut.triangles.push(triangle);
+        let flags = sides.map(|side| side.map_or(0, |side| self.tin.edge_flags(t, side)));
+        cut.edges.push(flags[0] | flags[1] << 1 | flags[2] << 2);
     }
 
     /// The triangulation, with the neighbours of its triangles.
@@ -140,7 +147,6 @@ impl Parts<'_> {
         let beyond = |a: u32, b: u32| sides.get(&[b, a]).copied().unwrap_or(NONE);
         cut.neighbours = cut.triangles.iter().map(|&[a, b, c]| [beyond(a, b), beyond(b, c), beyond(c, a)]).collect();
         cut.inside = vec![true; cut.triangles.len()];
-        cut.edges = vec![0; cut.triangles.len()];
         cut
     }
 }

@@ -5,6 +5,7 @@
 //! collapses or turns over. Where the ground touches itself at a single point, this point becomes several vertices. So
 //! the triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
 
+mod cells;
 mod cut;
 mod drawing;
 mod light;
@@ -35,7 +36,7 @@ const UNSET: u32 = u32::MAX;
 pub struct MeshParams {
     /// Height of the flat bottom of a solid, metres. `None` gives an open shell.
     pub base: Option<f64>,
-    /// Few triangles instead of all those of the surface. Contours are no edges of them.
+    /// Few triangles instead of all those of the surface.
     pub light: Option<Light>,
 }
 
@@ -47,6 +48,20 @@ pub struct Light {
     /// Size of the cells, metres. `None` gives those that the smooth surface is made on, or a quarter of the mean distance between
     /// contours.
     pub cell: Option<f64>,
+    /// The lines that stay edges of the triangles.
+    pub keep: Keep,
+}
+
+/// The lines of a surface that stay edges of few triangles, or chains of edges: with all their vertices, and their heights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// None.
+    #[default]
+    Nothing,
+    /// Break lines.
+    BreakLines,
+    /// Break lines, and the contours of the input.
+    Contours,
 }
 
 impl Light {
@@ -106,7 +121,16 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
     if !(0..tin.len() as u32).any(|t| tin.is_inside(t)) {
         return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
     }
-    let few = |light: Light| light::light(&Outline::of_tin(tin), &light.heights(surface), light.tolerance);
+    let few = |light: Light| {
+        let mut outline = Outline::of_tin(tin);
+        if light.keep == Keep::Contours {
+            outline = outline.with_contours(tin);
+        }
+        if light.keep != Keep::Nothing {
+            outline = outline.with_lines(surface.break_lines.iter().map(|line| line.points.clone()));
+        }
+        light::light(&outline, &light.heights(surface), light.tolerance)
+    };
     let few = params.light.map(few).transpose()?;
     let mesh = of_tin(few.as_ref().unwrap_or(tin), surface.map.crs.as_ref())?;
     match params.base {
@@ -115,17 +139,33 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
     }
 }
 
-/// Few triangles between the centres of the cells of a height map, none further than `tolerance` (metres) from the height of a cell
-/// that it covers. Coordinates of the height map are in metres.
+/// Triangles between the centres of the cells of a height map, as an open shell. With a `tolerance` (metres) there are few of them,
+/// none further than this from the height of a cell that it covers; otherwise two between each four neighbouring cells. Cells without
+/// heights are no ground. Of a `part`, the triangles are cut at its border. Coordinates of the height map are in metres.
 ///
 /// # Errors
-/// [`Error::Data`] if no four neighbouring cells have heights. [`Error::OutOfRange`] for a tolerance that is not above 0.
-pub fn height_mesh(dem: &Dem, tolerance: f64) -> Result<Mesh> {
-    let outline = Outline::of_cells(dem);
-    if outline.edges.is_empty() {
-        return Err(Error::Data("no four neighbouring cells have heights to make a mesh of".into()));
+/// [`Error::Data`] if no four neighbouring cells have heights, or none in the part. [`Error::OutOfRange`] for a tolerance that is not
+/// above 0.
+pub fn height_mesh(dem: &Dem, part: Option<&MultiPolygon<f64>>, tolerance: Option<f64>) -> Result<Mesh> {
+    let light = |outline: &Outline, tolerance| match outline.edges.is_empty() {
+        true => Ok(Tin::default()),
+        false => light::light(outline, dem, tolerance),
+    };
+    let tin = match (part, tolerance) {
+        (None, None) => cells::of_cells(dem),
+        (None, Some(tolerance)) => light(&Outline::of_cells(dem), tolerance)?,
+        (Some(area), _) => {
+            let cut = cut::cut(&cells::of_cells(&dem.beyond(area)), area)?;
+            let few = tolerance.map(|tolerance| light(&Outline::of_tin(&cut), tolerance)).transpose()?;
+            few.unwrap_or(cut)
+        }
+    };
+    if tin.is_empty() {
+        let place = if part.is_some() { " in this part of the map" } else { "" };
+        let message = format!("no four neighbouring cells have heights{place} to make a mesh of");
+        return Err(Error::Data(message));
     }
-    of_tin(&light::light(&outline, dem, tolerance)?, dem.crs.as_ref())
+    of_tin(&tin, dem.crs.as_ref())
 }
 
 /// The triangles inside a triangulation as an open shell.

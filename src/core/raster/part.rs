@@ -49,11 +49,23 @@ impl Dem {
     /// The rows and columns that meet the box around an area, which is in the coordinates of the height map. All of them if the
     /// area lies elsewhere.
     pub fn around(&self, area: &MultiPolygon<f64>) -> Self {
+        self.with_margin(area, 0.0)
+    }
+
+    /// [`Dem::around`] with one more row and column on each side: the cells that heights at the border of the area are interpolated
+    /// from.
+    pub fn beyond(&self, area: &MultiPolygon<f64>) -> Self {
+        self.with_margin(area, 1.0)
+    }
+
+    /// The rows and columns that meet the box around an area, and some more on each side.
+    fn with_margin(&self, area: &MultiPolygon<f64>, margin: f64) -> Self {
         let grid = self.grid;
         let Some(around) = area.bounding_rect() else { return self.clone() };
         // A place has the centre of its cell as the nearest whole number.
-        let first = grid.place(DVec2::new(around.min().x, around.max().y)).round().max(DVec2::ZERO);
-        let last = grid.place(DVec2::new(around.max().x, around.min().y)).round();
+        let first = grid.place(DVec2::new(around.min().x, around.max().y)).round() - margin;
+        let last = grid.place(DVec2::new(around.max().x, around.min().y)).round() + margin;
+        let first = first.max(DVec2::ZERO);
         let last = last.min(DVec2::new(grid.cols as f64, grid.rows as f64) - 1.0);
         if !first.cmple(last).all() {
             return self.clone();

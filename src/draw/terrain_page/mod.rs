@@ -142,15 +142,17 @@ fn data(page: &TerrainPage<'_>) -> Value {
         packed["water"] = cells(&values, 1.0).into();
     }
 
-    let contours = |is_input: bool| {
-        let own = page.contours.iter().filter(move |line| (line.source == Source::Input) == is_input);
-        own.map(|line| (line.index, line.points.iter().map(|p| p.extend(line.elevation)).collect()))
+    let contours = |name: &'static str| {
+        let is_own = move |line: &&ContourLine| name_of(line.source) == name;
+        let own = page.contours.iter().filter(is_own);
+        let lines = own.map(|line| (line.index, line.points.iter().map(|p| p.extend(line.elevation)).collect()));
+        (name, lines.collect())
     };
     let others = page.lines.iter().map(|(name, lines)| {
         let lines: Vec<(bool, Vec<DVec3>)> = lines.iter().map(|line| (false, line.clone())).collect();
         (*name, lines)
     });
-    let all = [("input", contours(true).collect()), ("added", contours(false).collect())].into_iter().chain(others);
+    let all = ["input", "contours", "added"].map(contours).into_iter().chain(others);
     let lines: Map<String, Value> = all
         .filter(|(_, lines)| !lines.is_empty())
         .map(|(name, lines)| (name.to_owned(), packed_lines(&lines, origin, step).into()))
@@ -186,6 +188,15 @@ fn data(page: &TerrainPage<'_>) -> Value {
         "findings": shown.chain(largest).collect::<Vec<_>>(),
         "leftOut": findings.len().saturating_sub(MOST_FINDINGS),
     })
+}
+
+/// The name of contours in `page/colours.js`.
+fn name_of(source: Source) -> &'static str {
+    match source {
+        Source::Input => "input",
+        Source::HeightMap => "contours",
+        Source::Interpolated => "added",
+    }
 }
 
 /// Lines: twice the number of vertices, plus one for index contours, and the vertices.

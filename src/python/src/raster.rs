@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use glam::DVec2;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use tokosen::Interval;
 use tokosen::base::Grid;
 use tokosen::base::Units;
 use tokosen::base::error::Finding;
+use tokosen::cli::available_memory;
 use tokosen::dem::volume::Heights;
 use tokosen::draw::Scene;
 use tokosen::io::raster::{
@@ -17,10 +19,12 @@ use tokosen::io::raster::{
 use tokosen::io::tiles::{TileFormat, TileImage};
 use tokosen::io::{StagedOutput, check_paths};
 use tokosen::raster::{Dem, ShiftWay};
+use tokosen::terrain::{DemModel, HtmlParams};
 
 use crate::error::Warned;
 use crate::error::{exception, parameter};
 use crate::layer::crs_text;
+use crate::model::Model;
 use crate::source::crs;
 use crate::tiles::{Tiling, terrain_tiles};
 use crate::unit::{one_of, tile_side, unit};
@@ -72,6 +76,14 @@ impl Raster {
     /// The cells.
     pub fn grid(&self) -> (Grid, Option<tokosen::crs::Crs>) {
         (self.grid, self.crs.clone())
+    }
+
+    /// The heights in the library's form, for models. Other values are refused.
+    fn heights(&self, py: Python<'_>) -> PyResult<Dem> {
+        match self.quantity {
+            Quantity::Height => self.dem(py),
+            other => Err(parameter(py, format!("the values are {}; models are made of heights", other.name()))),
+        }
     }
 
     /// The values in the library's form. They are copied.
@@ -205,6 +217,42 @@ impl Raster {
             };
             Ok(levels.iter().map(row).collect())
         })
+    }
+
+    /// A 3-D model; a solid if the height of its bottom is given.
+    #[pyo3(signature = (base, tolerance, progress))]
+    fn mesh(
+        &self,
+        py: Python<'_>,
+        base: Option<f64>,
+        tolerance: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Model> {
+        let dem = self.heights(py)?;
+        work(py, progress, |_| {
+            let model = DemModel::new(dem, None, available_memory())?;
+            let shell = model.mesh(tolerance)?;
+            let mesh = base.map_or_else(|| Ok(shell.clone()), |base| shell.clone().closed(base))?;
+            Ok(mesh.in_drawing(&model.reprojection).unwrap_or(mesh))
+        })
+        .map(Model)
+    }
+
+    /// A page that shows the heights in 3-D.
+    #[pyo3(signature = (title, interval, tolerance, cell, progress))]
+    fn html(
+        &self,
+        py: Python<'_>,
+        title: String,
+        interval: Option<f64>,
+        tolerance: Option<f64>,
+        cell: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let target = interval.map(|step| Interval::every(step).into());
+        let params = HtmlParams { title, target, tolerance, cell, ..HtmlParams::default() };
+        let dem = self.heights(py)?;
+        work(py, progress, |progress| DemModel::new(dem, None, available_memory())?.to_html(&params, progress))
     }
 
     /// A picture of a height map, as PNG.

@@ -17,7 +17,7 @@ use tokosen::io::layer::{
 };
 use tokosen::io::raster::Quantity;
 use tokosen::layers::LayerParams;
-use tokosen::mesh::{Light, MeshParams};
+use tokosen::mesh::{Keep, Light, MeshParams};
 use tokosen::slice::label_layers;
 use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::{HeightMap, HtmlParams};
@@ -32,7 +32,7 @@ use crate::options::{Cells, Given, Levels, settled};
 use crate::raster::Raster;
 use crate::source::Source;
 use crate::tiles::Shown;
-use crate::unit::unit;
+use crate::unit::{one_of, unit};
 use crate::work::work;
 
 /// The ground between contours, and the findings about them.
@@ -225,16 +225,23 @@ impl Terrain {
     }
 
     /// A 3-D model; a solid if the height of its bottom is given.
-    #[pyo3(signature = (base, tolerance, cell, progress))]
+    #[pyo3(signature = (base, tolerance, cell, keep, progress))]
     fn mesh(
         &self,
         py: Python<'_>,
         base: Option<f64>,
         tolerance: Option<f64>,
         cell: Option<f64>,
+        keep: &str,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Model> {
-        let light = tolerance.map(|tolerance| Light { tolerance, cell });
+        let keep = match keep {
+            "contours" => Keep::Contours,
+            "breaklines" => Keep::BreakLines,
+            "none" => Keep::Nothing,
+            other => return Err(one_of(py, "keep", other, "contours, breaklines or none")),
+        };
+        let light = tolerance.map(|tolerance| Light { tolerance, cell, keep });
         work(py, progress, |_| {
             let mesh = self.terrain.mesh(&MeshParams { base, light })?;
             Ok(mesh.in_drawing(&self.terrain.reprojection).unwrap_or(mesh))

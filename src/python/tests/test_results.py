@@ -65,6 +65,28 @@ def test_xarray_goes_both_ways(part):
     assert np.array_equal(tokosen.derive(turned, "slope").values, again.values, equal_nan=True)
 
 
+def test_models_and_pages_of_a_height_map(part, tmp_path):
+    dem = tokosen.dem(part, 60)
+    whole, few = dem.mesh(), dem.mesh(tolerance=2)
+    heights = dem.values[np.isfinite(dem.values)]
+    assert set(whole.vertices[:, 2].astype(np.float32)) <= set(heights) and len(few.triangles) < len(whole.triangles) / 2
+    solid = dem.mesh(0, tolerance=2)
+    assert solid.is_solid and solid.vertices[:, 2].min() == 0
+    few.to_file(tmp_path / "surface.xml")
+    page = dem.to_html(20, title="part")
+    assert page.startswith("<!DOCTYPE html>") and '"title":"part"' in page and '"contours":"' in page
+    terrain = tokosen.Terrain(part)
+    kept = terrain.mesh(tolerance=5, keep="contours")
+    assert len(kept.triangles) > len(terrain.mesh(tolerance=5).triangles)
+    for given in ({"keep": "contours"}, {"keep": "rivers", "tolerance": 5}):
+        with pytest.raises(tokosen.ParameterError, match="keep"):
+            terrain.mesh(**given)
+    with pytest.raises(tokosen.ParameterError, match="models are made of heights"):
+        tokosen.derive(dem, "slope").mesh()
+    with pytest.raises(tokosen.Error, match="no cell with a height"):
+        tokosen.Dem.from_array(np.full((4, 5), np.nan), (10, 0, 0, 0, -10, 40)).mesh()
+
+
 def test_files_of_rasterio_and_pyogrio_agree(part, tmp_path):
     rasterio = pytest.importorskip("rasterio")
     dem = tokosen.dem(part, 60, uncertainty=True)

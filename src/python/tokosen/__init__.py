@@ -21,7 +21,8 @@ from tokosen._dem import Dem, Transform, Volume
 from tokosen._errors import Error, FileError, FindingWarning, InputError, OutOfMemoryError, ParameterError
 from tokosen._example import example
 from tokosen._layers import Layer
-from tokosen._terrain import Accuracy, Mesh, Terrain
+from tokosen._mesh import Mesh
+from tokosen._terrain import Accuracy, Terrain
 from tokosen._tiles import viewer
 from tokosen._tokosen import __version__
 from tokosen._verbs import Check, Comparison, bands, check, compare, contour, dem, densify, derive, mesh, regions, skeleton

@@ -11,8 +11,9 @@ from tokosen import _tokosen
 from tokosen._crs import crs_object, crs_text
 from tokosen._errors import ParameterError
 from tokosen._html import page
+from tokosen._mesh import Mesh
 from tokosen._tiles import tiling
-from tokosen._work import warn_of
+from tokosen._work import Progress, reporting, warn_of
 
 
 class Transform(NamedTuple):
@@ -165,6 +166,43 @@ class Dem:
         [[9.5, 9.5], [9.5, 9.5]]
         """
         return Dem(self._raster.shifted(os.fspath(grid), inverse))
+
+    def mesh(
+        self, base_height: float | None = None, *, tolerance: float | None = None, progress: Progress = None
+    ) -> Mesh:
+        """A 3-D model of the heights; a closed solid if the height of its flat bottom is given, metres.
+
+        It has two triangles between the centres of each four neighbouring cells. With a `tolerance`, it has few triangles, none
+        further than this from the height of a cell, metres. Cells without data are no ground. If the cells are not on a plane in
+        metres, heights are interpolated in cells that are.
+
+        >>> dem = tokosen.dem(tokosen.example(), cell=10)
+        >>> dem.mesh(0).is_solid
+        True
+        >>> len(dem.mesh(tolerance=1).triangles) < len(dem.mesh().triangles)
+        True
+        """
+        with reporting(progress) as report:
+            return Mesh(self._raster.mesh(base_height, tolerance, report))
+
+    def to_html(
+        self,
+        interval: float | None = None,
+        *,
+        title: str = "",
+        tolerance: float | None = None,
+        cell: float | None = None,
+        progress: Progress = None,
+    ) -> str:
+        """A page that shows the heights in 3-D, with contours at an interval in metres if it is given.
+
+        One HTML file, which a browser opens from disk. `cell` is the size of its cells, metres, if they are to be others.
+
+        >>> page = tokosen.dem(tokosen.example(), cell=10).to_html(5, title="hill")
+        >>> _ = (folder / "hill.html").write_text(page, encoding="utf-8")
+        """
+        with reporting(progress) as report:
+            return self._raster.html(title, interval, tolerance, cell, report)
 
     def to_xarray(self, *, error: bool = False) -> Any:
         """A DataArray with the coordinates of cell centres, and the CRS as rioxarray and GDAL write it. xarray must be installed.

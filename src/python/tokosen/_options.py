@@ -11,6 +11,7 @@ from tokosen._crs import crs_text
 from tokosen._sources import source, sources
 
 Unit = Literal["m", "ft", "us-ft"]
+Keep = Literal["contours", "breaklines", "none"]
 
 
 class InputOptions(TypedDict, total=False):

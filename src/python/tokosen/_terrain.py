@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Unpack
@@ -15,7 +14,8 @@ from tokosen._dem import Dem
 from tokosen._errors import FindingWarning, ParameterError
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
-from tokosen._options import RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
+from tokosen._mesh import Mesh
+from tokosen._options import Keep, RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
 from tokosen._sources import is_frame, sources
 from tokosen._work import Progress, reporting, warn_of
 
@@ -27,44 +27,6 @@ class Accuracy(NamedTuple):
     """Root mean square."""
     le90: float
     """The error that 90 % of the heights are within."""
-
-
-class Mesh:
-    """A 3-D model: triangles in space.
-
-    >>> model = tokosen.Terrain(tokosen.example()).mesh(0)
-    >>> model.is_solid, model.vertices.shape[1], model.triangles.shape[1]
-    (True, 3, 3)
-    """
-
-    def __init__(self, model: _tokosen.Model) -> None:
-        self._model = model
-
-    @property
-    def vertices(self) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """The vertices (n, 3): x, y and height, map coordinates. A new array each time."""
-        return self._model.vertices()
-
-    @property
-    def triangles(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
-        """The triangles (n, 3): indices of vertices, counter-clockwise seen from above. A new array each time."""
-        return self._model.triangles()
-
-    @property
-    def is_solid(self) -> bool:
-        """Whether it is closed by a flat bottom."""
-        return self._model.is_solid
-
-    def to_file(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
-        """Writes the model: .ply, .obj or .glb.
-
-        >>> tokosen.Terrain(tokosen.example()).mesh(0).to_file(folder / "hill.ply")
-        """
-        self._model.write(os.fspath(path), overwrite)
-
-    def __repr__(self) -> str:
-        kind = "solid" if self.is_solid else "shell"
-        return f"<Mesh {kind}, {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
 
 class Terrain:
@@ -325,12 +287,14 @@ class Terrain:
         *,
         tolerance: float | None = None,
         cell: float | None = None,
+        keep: Keep = "none",
         progress: Progress = None,
     ) -> Mesh:
         """A 3-D model of the surface; a closed solid if the height of its flat bottom is given, metres.
 
         With a `tolerance`, it has few triangles, none further than this from the surface at the centre of a cell of size `cell`,
-        metres.
+        metres. Lines to `keep` are edges of these triangles, or chains of edges, with all their vertices: "contours" (of the input,
+        with break lines), "breaklines" or "none".
 
         >>> terrain = tokosen.Terrain(tokosen.example())
         >>> terrain.mesh().is_solid
@@ -340,8 +304,10 @@ class Terrain:
         """
         if cell is not None and tolerance is None:
             raise ParameterError("cell has a meaning only with a tolerance")
+        if keep != "none" and tolerance is None:
+            raise ParameterError("keep has a meaning only with a tolerance: without it, all lines are edges")
         with reporting(progress) as report:
-            return Mesh(self._terrain.mesh(base_height, tolerance, cell, report))
+            return Mesh(self._terrain.mesh(base_height, tolerance, cell, keep, report))
 
     def to_html(
         self,

@@ -12,9 +12,11 @@ from tokosen._crs import crs_text
 from tokosen._dem import Dem, raster
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
+from tokosen._mesh import Mesh
 from tokosen._options import (
     CheckOptions,
     GroundOptions,
+    Keep,
     RegionOptions,
     SideOptions,
     SkeletonOptions,
@@ -25,7 +27,7 @@ from tokosen._options import (
     options,
 )
 from tokosen._sources import is_frame, places, source, sources
-from tokosen._terrain import Mesh, Terrain, is_several, levels_of, terrain_for_dem
+from tokosen._terrain import Terrain, is_several, levels_of, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
 
@@ -110,6 +112,7 @@ def mesh(
     *,
     tolerance: float | None = None,
     cell: float | None = None,
+    keep: Keep = "none",
     progress: Progress = None,
     **given: Unpack[SurfaceOptions],
 ) -> Mesh:
@@ -119,7 +122,7 @@ def mesh(
     True
     """
     terrain = Terrain(contours, cell=cell, progress=progress, **given)
-    return terrain.mesh(base_height, tolerance=tolerance, cell=cell, progress=progress)
+    return terrain.mesh(base_height, tolerance=tolerance, cell=cell, keep=keep, progress=progress)
 
 
 def regions(

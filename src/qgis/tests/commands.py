@@ -207,6 +207,9 @@ class Tools(Case):
         made = self.folder / "made.ply"
         self.results("mesh", INPUT=NESTED, BASE_HEIGHT=-5.5, OUTPUT=made)
         self.assertSameOutput(made, "mesh", NESTED, "--base-height=-5.5", "-o")
+        made = self.folder / "heights.ply"
+        self.results("mesh", INPUT=HEIGHTS, TOLERANCE=2, OUTPUT=made)
+        self.assertSameOutput(made, "mesh", HEIGHTS, "--tolerance", "2", "-o")
 
     def test_contour(self):
         made = self.folder / "made.gpkg"

@@ -12,6 +12,7 @@ const RAMPS = {
 RAMPS.byBand = RAMPS.byHeight;
 const LINES = {
   input: { colour: "#4a2b10", width: 1, indexWidth: 2 },
+  contours: { colour: "#4a2b10", width: 0.9, indexWidth: 1.6 },
   added: { colour: "#b4500f", width: 0.9, indexWidth: 1.6 },
   ridges: { colour: "#a01446", width: 1.4 },
   canyons: { colour: "#0d4f9e", width: 1.4 },
@@ -51,7 +52,7 @@ function colourAt(ramp, share) {
 // The levels of all contours inside the range of the heights, with its ends.
 function levelsOf(data) {
   const [low, high] = data.ground.range;
-  const levels = new Set(["input", "added"].flatMap((name) => (data.lines[name] ?? []).map((line) => line.points[2])));
+  const levels = new Set(["input", "contours", "added"].flatMap((name) => (data.lines[name] ?? []).map((line) => line.points[2])));
   return [low, ...[...levels].filter((level) => low < level && level < high).sort((a, b) => a - b), high];
 }
 

@@ -1,13 +1,16 @@
-//! `tokosen mesh`: contour lines in, a 3-D model of the terrain out.
+//! `tokosen mesh`: contour lines or a height map in, a 3-D model of the terrain out.
+
+mod height_map;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
+use tokosen::crs::Reprojection;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::mesh::{MESH_EXTENSIONS, PRINT_EXTENSIONS, SURFACE_EXTENSIONS, flattened, placement, write_mesh};
-use tokosen::io::{PLATE_EXTENSIONS, StagedOutput};
-use tokosen::mesh::{Light, Mesh, MeshParams, PrintParams};
+use tokosen::io::{Content, PLATE_EXTENSIONS, StagedOutput};
+use tokosen::mesh::{Keep, Light, Mesh, MeshParams, PrintParams};
 use tokosen::plates::PlateParams;
 use tokosen::surface::{Triangles, Uncertainty};
 use tokosen::terrain::HtmlParams;
@@ -25,14 +28,17 @@ use super::surface::SurfaceArgs;
 use super::terrain_page::PAGE_EXTENSIONS;
 use super::{plates, summary, terrain_page};
 
-/// A 3-D model (triangle mesh) from contour lines
+/// A 3-D model (triangle mesh) from contour lines or a height map
 ///
-/// The model holds the triangles of the surface inside the frame; the contours are among their edges. Coordinates are
-/// relative to an offset, which is recorded in the file and printed; heights are not changed. The model is in the working
-/// CRS, in metres, whatever the CRS of the contours and the unit of their elevations: the three axes of a model have
-/// one unit. The model of a drawing in feet without a CRS is in feet, on all three axes; a .glb is always in metres.
+/// The model of contours holds the triangles of the surface inside the frame; the contours are among their edges. That of a height
+/// map has two triangles between the centres of each four neighbouring cells, or few triangles with --tolerance; cells without data
+/// are no ground. Coordinates are relative to an offset, which is recorded in the file and printed; heights are not changed.
+///
+/// The model is in the working CRS, in metres, whatever the CRS of the input and the unit of its heights: the three axes of a model
+/// have one unit. If the cells of a height map are not on a plane in metres, heights are interpolated in cells that are. The model
+/// of a drawing in feet without a CRS is in feet, on all three axes; a .glb is always in metres.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)))]
 pub struct MeshArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -45,11 +51,16 @@ pub struct MeshArgs {
     /// .stl and .3mf: 2 mm of the print below the lowest ground]
     #[arg(long, alias = "base", value_name = "HEIGHT", help_heading = "Output")]
     base_height: Option<f64>,
-    /// Few triangles, none further than this from the surface at the centre of a cell. Contours are no edges of them then [m]
-    /// [default: all triangles of the surface; in a page, a twentieth of the interval]
+    /// Few triangles, none further than this from the surface at the centre of a cell. Contours are edges of them with --keep [m]
+    /// [default: all triangles of the surface or between cells; in a page, a twentieth of the interval, or without one a
+    /// five-hundredth of the relief]
     #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
     tolerance: Option<f64>,
-    /// Size of the cells of --tolerance and of a page [m] [default: those that the surface is made on]
+    /// Lines that stay edges of the triangles of --tolerance, or chains of edges, with all their vertices
+    #[arg(long, value_enum, default_value_t = KeepArg::None, value_name = "contours|breaklines|none", help_heading = "Output")]
+    keep: KeepArg,
+    /// Size of the cells of --tolerance and of a page; for a height map, of a page alone [m] [default: those that the surface is
+    /// made on; those of the height map]
     #[arg(long, value_name = "SIZE", help_heading = "Output")]
     cell: Option<f64>,
     /// Interval of new contours in a page, or between plates [metres]
@@ -75,15 +86,30 @@ pub struct MeshArgs {
     surface: SurfaceArgs,
 }
 
+const INPUT_HELP: &str = "Contour lines (.geojson, .json, .gpkg, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), a height map \
+                          (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報";
+
 const EXAMPLES: &str = "\
 Examples:
   tokosen mesh contours.gpkg -i 4 -o terrain.html
   tokosen mesh contours.gpkg --tolerance 0.5 -o terrain.glb
+  tokosen mesh dem.tif --tolerance 0.5 -o terrain.glb
+  tokosen mesh contours.gpkg --tolerance 0.5 --keep contours -o surface.xml
   tokosen mesh contours.shp -a ELEV -o print.ply --base-height 0
   tokosen mesh contours.gpkg --size 180mm --exaggeration 1.5 -o print.3mf
   tokosen mesh contours.gpkg --thickness 3mm -i 20 --size 300mm -o plates.svg
   tokosen mesh contours.gpkg --clip site.gpkg -o surface.xml
   tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum KeepArg {
+    /// The contours of the input, and break lines
+    Contours,
+    /// Break lines
+    Breaklines,
+    /// No lines
+    None,
+}
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,7 +158,9 @@ impl MeshArgs {
             ),
             (&["--uncertainty"], "is for pages: write .html", form == Form::Page),
             (&["--preview"], "is for models: a page shows the terrain itself", form != Form::Page),
-            (&["--preview", "--tolerance", "--cell"], "is not for plates", form != Form::Plates),
+            (&["--preview", "--tolerance", "--cell", "--keep"], "is not for plates", form != Form::Plates),
+            (&["--keep"], "is for models: a page shows the lines themselves", form != Form::Page),
+            (&["--keep"], "needs --tolerance: without it, all lines are edges", self.tolerance.is_some()),
             (&["--cell"], "needs --tolerance", form == Form::Page || self.tolerance.is_some()),
         ] {
             if let Some(flag) = console.flags.first(flags).filter(|_| !fits) {
@@ -164,7 +192,12 @@ impl MeshArgs {
 
     /// How few triangles there are to be, and where.
     fn light(&self) -> Option<Light> {
-        self.tolerance.map(|tolerance| Light { tolerance, cell: self.cell })
+        let keep = match self.keep {
+            KeepArg::Contours => Keep::Contours,
+            KeepArg::Breaklines => Keep::BreakLines,
+            KeepArg::None => Keep::Nothing,
+        };
+        self.tolerance.map(|tolerance| Light { tolerance, cell: self.cell, keep })
     }
 
     /// Writes the model, and draws its picture. Gives the model that was written.
@@ -178,17 +211,7 @@ impl MeshArgs {
     ) -> Result<Mesh, Failure> {
         let base = self.base_height.filter(|_| form != Form::Print);
         let model = terrain.mesh(&MeshParams { base, light: self.light() })?;
-        // The picture is drawn in metres.
-        let written = match form {
-            Form::Print => {
-                let usual = PrintParams::default();
-                let size = self.size.unwrap_or(usual.size);
-                let exaggeration = self.exaggeration.unwrap_or(usual.exaggeration);
-                model.printed(&PrintParams { size, exaggeration, base: self.base_height })?
-            }
-            _ => model.in_drawing(&terrain.reprojection).unwrap_or_else(|| model.clone()),
-        };
-        console.step("writing", || write_mesh(&staged.path(), &written)).map_err(|e| staged.with_final_name(e))?;
+        let written = self.write_model(form, &model, (&terrain.reprojection, staged), console)?;
         if job.draws() {
             let contours = &terrain.input_contours()?.lines;
             let skeleton_lines = &terrain.surface.skeleton_lines;
@@ -197,12 +220,47 @@ impl MeshArgs {
         }
         Ok(written)
     }
+
+    /// Writes a model, which is in metres, as its file is to have it. Gives the model that was written.
+    fn write_model(
+        &self,
+        form: Form,
+        model: &Mesh,
+        (reprojection, staged): (&Reprojection, &StagedOutput),
+        console: &Console,
+    ) -> Result<Mesh, Failure> {
+        let written = match form {
+            Form::Print => {
+                let usual = PrintParams::default();
+                let size = self.size.unwrap_or(usual.size);
+                let exaggeration = self.exaggeration.unwrap_or(usual.exaggeration);
+                model.printed(&PrintParams { size, exaggeration, base: self.base_height })?
+            }
+            _ => model.in_drawing(reprojection).unwrap_or_else(|| model.clone()),
+        };
+        console.step("writing", || write_mesh(&staged.path(), &written)).map_err(|e| staged.with_final_name(e))?;
+        Ok(written)
+    }
+
+    /// What a page shows.
+    fn page(&self) -> HtmlParams {
+        HtmlParams {
+            title: self.input.map.title(),
+            target: self.interval.map(|step| Interval::every(step).into()),
+            cell: self.cell,
+            tolerance: self.tolerance,
+            ..HtmlParams::default()
+        }
+    }
 }
 
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let form = args.form(console)?;
     let plates = args.plates()?;
+    if args.input.map.content()? == Content::HeightMap {
+        return height_map::run(args, form, plates, console);
+    }
     args.surface.check(&console.flags)?;
     let mut job = Job::start(
         &args.input,
@@ -221,19 +279,13 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let written = match (form, plates) {
         (Form::Page, _) => {
-            let params = HtmlParams {
-                title: args.input.map.title(),
-                target: args.interval.map(|step| Interval::every(step).into()),
-                cell: args.cell,
-                tolerance: args.tolerance,
-                ..HtmlParams::default()
-            };
-            terrain_page::write(&staged, &terrain, &params, console)?;
+            terrain_page::write(&staged, &terrain, &args.page(), console)?;
             Written::Page
         }
         (_, Some(params)) => {
-            let inputs = args.input.map.files()?;
-            let made = plates::write((&mut terrain, params), &staged, &inputs, console)?;
+            let made = terrain.plates(&params, console)?.collect(&mut terrain.findings);
+            let scale = terrain.plate_scale(&params);
+            let made = plates::write((made, params, scale), &staged, &args.input.map.files()?, console)?;
             job.check_strict(&terrain.findings)?;
             Written::Plates(made)
         }
@@ -242,11 +294,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
-    match &written {
-        Written::Model(mesh) => describe(&staged.commit()?, mesh, form, console),
-        Written::Page => terrain_page::commit(staged, console)?,
-        Written::Plates(made) => made.commit(staged, console)?,
-    }
+    written.commit(form, staged, console)?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }
 
@@ -255,6 +303,18 @@ enum Written {
     Model(Mesh),
     Page,
     Plates(plates::Made),
+}
+
+impl Written {
+    /// Gives the files their names, and prints what is in them.
+    fn commit(&self, form: Form, staged: StagedOutput, console: &Console) -> Result<(), Failure> {
+        match self {
+            Self::Model(mesh) => describe(&staged.commit()?, mesh, form, console),
+            Self::Page => terrain_page::commit(staged, console)?,
+            Self::Plates(made) => made.commit(staged, console)?,
+        }
+        Ok(())
+    }
 }
 
 /// The lines of the summary about a model.
