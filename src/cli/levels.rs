@@ -50,7 +50,7 @@ impl WhichLevelsArgs {
         if !self.levels.is_empty() {
             return Ok(vec![Target::Levels(self.levels.clone())]);
         }
-        Ok(intervals.iter().map(|&step| Interval { step, base: self.base_level }.into()).collect())
+        Ok(intervals.iter().map(|&step| Interval { step, base: self.base_level, rounding: 0.0 }.into()).collect())
     }
 }
 

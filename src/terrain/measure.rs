@@ -49,7 +49,7 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
         }
         None => None,
     };
-    let interval = options.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
+    let interval = options.interval.map(|step| Interval { step, base: 0.0, rounding: 0.0 }).or(pair.interval());
     // The accuracy of the reference or, if it states none, that of A.
     let sigma = options.sigma.or(pair.b.sigma).or(pair.a.sigma);
     let distances = distances.map(|distances| distances.into_iter().map(|d| unit.about(d)).collect::<Vec<f64>>());

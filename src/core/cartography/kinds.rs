@@ -45,7 +45,7 @@ impl Kinds {
 
     /// The levels of all kinds.
     pub fn levels(&self) -> Target {
-        let Interval { step, base } = self.interval;
+        let Interval { step, base, .. } = self.interval;
         Target::Interval { step: step / f64::from(self.parts), base }
     }
 
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     fn kinds(step: f64, unit: ElevationUnit) -> Kinds {
-        Kinds { interval: Interval { step, base: 0.0 }, unit, index_every: 5, parts: 1 }
+        Kinds { interval: Interval { step, base: 0.0, rounding: 0.0 }, unit, index_every: 5, parts: 1 }
     }
 
     #[test]

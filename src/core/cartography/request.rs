@@ -58,9 +58,9 @@ impl MapRequest {
         if let Some(bad) = self.spacing.filter(|d| !(d.is_finite() && *d > 0.0)) {
             return wrong(format!("the spacing of supplementary contours is {bad}, it must be more than 0"));
         }
-        let open = Interval { step: f64::NAN, base: 0.0 };
+        let open = Interval { step: f64::NAN, base: 0.0, rounding: 0.0 };
         let (interval, is_open) = match self.targets[..] {
-            [Target::Interval { step, base }] => (Interval { step, base }, false),
+            [Target::Interval { step, base }] => (Interval { step, base, rounding: 0.0 }, false),
             [] if self.supplementary.is_empty() => (open, true),
             [] => return wrong("supplementary contours need an interval, of which they are half and a quarter".into()),
             _ => return wrong("supplementary contours and contours for a scale have one interval".into()),
@@ -131,7 +131,10 @@ mod tests {
     fn the_slope_chooses_an_interval() {
         let open =
             |unit| MapRequest { targets: vec![], scale: Some(25_000.0), unit, ..request() }.plan().unwrap().unwrap();
-        assert_eq!(open(ElevationUnit::Metre).settle(|| 0.2).kinds.interval, Interval { step: 5.0, base: 0.0 });
+        assert_eq!(
+            open(ElevationUnit::Metre).settle(|| 0.2).kinds.interval,
+            Interval { step: 5.0, base: 0.0, rounding: 0.0 }
+        );
         assert_eq!(open(ElevationUnit::Metre).settle(|| 0.3).kinds.interval.step, 10.0);
         assert_eq!(open(ElevationUnit::Foot).settle(|| 0.1).kinds.interval.step, 20.0);
         let given = MapRequest { scale: Some(25_000.0), ..request() }.plan().unwrap().unwrap();

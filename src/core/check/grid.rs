@@ -53,7 +53,8 @@ impl LevelGrid {
         // Absurd elevations must differ from all others, and still allow counting up and down from them.
         let k = ((elevation - self.interval.base) / self.interval.step).clamp(-FARTHEST, FARTHEST);
         let nearest = k.round();
-        if (k - nearest).abs() <= ON_LEVEL { Label::On(nearest as i64) } else { Label::Within(k.floor() as i64) }
+        let on_level = ON_LEVEL.max(self.interval.rounding / self.interval.step);
+        if (k - nearest).abs() <= on_level { Label::On(nearest as i64) } else { Label::Within(k.floor() as i64) }
     }
 
     /// The elevation of level `k`, metres.
@@ -98,7 +99,7 @@ mod tests {
 
     #[test]
     fn labels_are_levels_or_lie_between() {
-        let grid = LevelGrid::new(&ContourMap::default(), &Interval { step: 10.0, base: 5.0 });
+        let grid = LevelGrid::new(&ContourMap::default(), &Interval { step: 10.0, base: 5.0, rounding: 0.0 });
         assert_eq!(grid.label(25.0), Label::On(2));
         assert_eq!(grid.label(24.9), Label::On(2));
         assert_eq!(grid.label(23.0), Label::Within(1));

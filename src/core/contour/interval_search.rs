@@ -9,6 +9,9 @@
 //!
 //! Steps that maps usually have get a better mark than others.
 //!
+//! Elevations may be rounded: 15, 30, 46, 61 m are 50 ft. Then the differences of levels are no steps, but their means are, and a
+//! level may be off by half of what elevations are rounded to.
+//!
 //! Lines count by their vertices, so that a short auxiliary contour or one wrong label does not count for a whole level.
 
 use super::levels::Interval;
@@ -24,6 +27,12 @@ const OFF_LEVEL: f64 = 0.02;
 /// stronger evidence than one that has none. At one half, main contours can still be distinguished from auxiliary
 /// contours at a quarter of all levels.
 const FILLED_WEIGHT: f64 = 0.5;
+/// The same for elevations that are rounded, at most. Maps are not rounded to a larger share of their interval.
+const MOST_ROUNDED: f64 = 0.08;
+/// What elevations are rounded to, in metres or feet.
+const ROUNDED: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
+/// Elevations count as rounded to a unit if this share of the lines is.
+const ALL_ROUNDED: f64 = 0.95;
 /// Empty levels in a row count at most this many times. So one absurd label does not spoil the true step's mark.
 const MAX_GAP: f64 = 4.0;
 /// Factor on the mark of a step whose levels do not contain zero. Nearly all maps count from zero.
@@ -63,10 +72,11 @@ pub fn find_interval(contours: &[Contour]) -> Option<Interval> {
     if levels.len() < 2 {
         return None;
     }
-    candidate_steps(&levels)
+    let unit = rounded_to(&levels);
+    candidate_steps(&levels, unit)
         .into_iter()
-        .filter_map(|step| fit(&levels, step))
-        .map(|interval| (mark(&levels, &interval), interval))
+        .filter_map(|step| fit(&levels, step, unit))
+        .map(|interval| (mark(&levels, &interval, off_limit(interval.step, unit)), interval))
         .max_by(|(a, p), (b, q)| a.total_cmp(b).then(p.step.total_cmp(&q.step)).then(q.base.total_cmp(&p.base)))
         .map(|(_, interval)| interval)
 }
@@ -98,8 +108,41 @@ fn weighted_levels(contours: &[Contour]) -> Vec<Weighted> {
     levels
 }
 
-/// Differences between levels near each other, and the common divisors of the most frequent ones.
-fn candidate_steps(levels: &[Weighted]) -> Vec<f64> {
+/// The unit that elevations are rounded to, metres; 0 if there is none.
+fn rounded_to(levels: &[Weighted]) -> f64 {
+    let total: f64 = levels.iter().map(|l| l.weight).sum();
+    let slack = SAME_LEVEL * levels.iter().map(|l| l.z.abs()).fold(0.0, f64::max);
+    let units = ROUNDED.into_iter().flat_map(|unit| [unit, unit * FOOT]);
+    let is_unit = |unit: &f64| {
+        let on = levels.iter().filter(|l| (l.z - (l.z / unit).round() * unit).abs() <= slack);
+        on.map(|l| l.weight).sum::<f64>() >= ALL_ROUNDED * total
+    };
+    units.into_iter().find(is_unit).unwrap_or(0.0)
+}
+
+/// Whether a step is a whole number of units, so that its levels need not be rounded.
+fn is_whole(step: f64, unit: f64) -> bool {
+    unit == 0.0 || ((step / unit) - (step / unit).round()).abs() <= 1e-6
+}
+
+/// How far a level may be off the step's own level, as a share of the step.
+fn off_limit(step: f64, unit: f64) -> f64 {
+    if is_whole(step, unit) { OFF_LEVEL } else { (0.51 * unit / step).clamp(OFF_LEVEL, MOST_ROUNDED) }
+}
+
+/// The step that maps usually have which is nearest to a step, if it is within `tolerance`.
+fn usual_step(step: f64, tolerance: f64) -> Option<f64> {
+    let power = step.log10().floor();
+    let powers = || (-1..=1).map(|more| 10f64.powf(power + f64::from(more)));
+    let usual = [1.0, FOOT].into_iter().flat_map(|unit| USUAL_DIGITS.map(|digits| unit * digits));
+    let all = usual.flat_map(|step| powers().map(move |power| step * power));
+    let nearest = all.min_by(|a, b| (a - step).abs().total_cmp(&(b - step).abs()));
+    nearest.filter(|usual| (usual - step).abs() <= tolerance)
+}
+
+/// Differences between levels near each other, the common divisors of the most frequent ones, and, of elevations that are rounded to
+/// a unit, the means of differences that are one step but for rounding.
+fn candidate_steps(levels: &[Weighted], unit: f64) -> Vec<f64> {
     let mut differences: Vec<(f64, f64)> = Vec::new();
     // A level in between may be auxiliary or wrong, so levels two and three further on count as well.
     for lag in 1..=3 {
@@ -109,8 +152,13 @@ fn candidate_steps(levels: &[Weighted]) -> Vec<f64> {
     }
     differences.retain(|(d, _)| d.is_finite());
     differences.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mean = |about: f64| {
+        let near = differences.iter().filter(|(d, _)| (d - about).abs() <= unit * (1.0 + 1e-6));
+        let (sum, count) = near.fold((0.0, 0.0), |(sum, count), (d, _)| (sum + d, count + 1.0));
+        sum / count
+    };
     let mut groups: Vec<(f64, f64)> = Vec::new();
-    for (difference, weight) in differences {
+    for &(difference, weight) in &differences {
         match groups.last_mut() {
             Some((d, w)) if difference - *d <= 1e-6 * *d => *w += weight,
             _ => groups.push((difference, weight)),
@@ -119,6 +167,11 @@ fn candidate_steps(levels: &[Weighted]) -> Vec<f64> {
     groups.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(b.0.total_cmp(&a.0)));
     groups.truncate(MAX_DIFFERENCES);
     let mut steps: Vec<f64> = groups.iter().map(|g| g.0).collect();
+    if unit > 0.0 {
+        let means: Vec<f64> = steps.iter().map(|&about| mean(about)).filter(|mean| !is_whole(*mean, unit)).collect();
+        steps.extend(means.iter().filter_map(|&mean| usual_step(mean, unit / 2.0)));
+        steps.extend(means);
+    }
     let divided = &groups[..groups.len().min(MAX_DIVIDED)];
     for (i, a) in divided.iter().enumerate() {
         steps.extend(divided[i + 1..].iter().map(|b| common_divisor(a.0, b.0)));
@@ -141,31 +194,43 @@ fn common_divisor(a: f64, b: f64) -> f64 {
 }
 
 /// The step with its best base: the heaviest set of levels that lie whole steps apart, then a straight line through them.
-fn fit(levels: &[Weighted], step: f64) -> Option<Interval> {
-    let base = heaviest_base(levels, step)?;
-    let mut interval = Interval { step, base };
+fn fit(levels: &[Weighted], step: f64, unit: f64) -> Option<Interval> {
+    let (limit, is_rounded) = (off_limit(step, unit), !is_whole(step, unit));
+    let window = if is_rounded { (unit / step).clamp(OFF_LEVEL, 2.0 * MOST_ROUNDED) } else { OFF_LEVEL };
+    let base = heaviest_base(levels, step, window)?;
+    let mut interval = Interval { step, base, rounding: 0.0 };
     let mut precision = 0.0;
     // A step from one pair of rounded levels is accurate only near them. Each round reaches further.
     let anchor = levels
         .iter()
-        .filter(|l| off_level(&interval, l.z) <= OFF_LEVEL)
+        .filter(|l| off_level(&interval, l.z) <= limit)
         .max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.z.total_cmp(&a.z)))?;
     interval.base = anchor.z;
+    // Rounded levels are off by twice as much from another rounded one.
+    let reached = if is_rounded { 2.0 * limit } else { limit };
     for reach in [10.0, 100.0, f64::INFINITY] {
         let near = levels.iter().filter(|l| {
             let k = (l.z - anchor.z) / interval.step;
-            k.abs() <= reach && off_level(&interval, l.z) <= OFF_LEVEL
+            k.abs() <= reach && off_level(&interval, l.z) <= reached
         });
         if let Some((line, error)) = straight_line(near, &interval) {
             (interval, precision) = (line, error);
         }
     }
-    let step = short_decimal(interval.step, precision.max(1e-10 * interval.step));
+    let precision = precision.max(1e-10 * interval.step);
+    let usual = if is_rounded { usual_step(interval.step, precision) } else { None };
+    let step = usual.unwrap_or_else(|| short_decimal(interval.step, precision));
     if !(step.is_finite() && step > 0.0) {
         return None;
     }
-    let near: Vec<&Weighted> = levels.iter().filter(|l| off_level(&interval, l.z) <= OFF_LEVEL).collect();
-    Some(Interval { step, base: short_base(&near, step) })
+    let near: Vec<&Weighted> = levels.iter().filter(|l| off_level(&interval, l.z) <= limit).collect();
+    let interval = Interval { step, base: short_base(&near, step), rounding: 0.0 };
+    // What is off the levels of a whole number of units is not rounded, but wrong.
+    if is_whole(step, unit) {
+        return Some(interval);
+    }
+    let off = levels.iter().map(|l| off_level(&interval, l.z)).filter(|off| *off <= limit).fold(0.0, f64::max);
+    Some(Interval { rounding: off * step, ..interval })
 }
 
 /// How far `z` is from the nearest level of the interval, as a share of the step.
@@ -174,8 +239,8 @@ fn off_level(interval: &Interval, z: f64) -> f64 {
     (k - k.round()).abs()
 }
 
-/// The remainder on division by the step that has the largest weight.
-fn heaviest_base(levels: &[Weighted], step: f64) -> Option<f64> {
+/// The remainder on division by the step that has the largest weight, within a window of this share of the step.
+fn heaviest_base(levels: &[Weighted], step: f64, window: f64) -> Option<f64> {
     let mut remainders: Vec<(f64, f64)> = levels.iter().map(|l| ((l.z / step).rem_euclid(1.0), l.weight)).collect();
     remainders.retain(|(r, _)| r.is_finite());
     remainders.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -184,7 +249,7 @@ fn heaviest_base(levels: &[Weighted], step: f64) -> Option<f64> {
     let at = |i: usize| if i < n { remainders[i] } else { (remainders[i - n].0 + 1.0, remainders[i - n].1) };
     let (mut best, mut sum, mut end) = (None, 0.0, 0);
     for start in 0..n {
-        while end < start + n && at(end).0 - at(start).0 <= OFF_LEVEL {
+        while end < start + n && at(end).0 - at(start).0 <= window {
             sum += at(end).1;
             end += 1;
         }
@@ -220,7 +285,7 @@ fn straight_line<'a>(levels: impl Iterator<Item = &'a Weighted>, guess: &Interva
     }
     let residuals: f64 = pairs.iter().map(|p| (p.1 - mean_z - step * (p.0 - mean_k)).powi(2)).sum();
     let error = 3.0 * (residuals / (n - 2.0).max(1.0) / kk).sqrt();
-    Some((Interval { step, base: guess.base + mean_z - step * mean_k }, error))
+    Some((Interval { step, base: guess.base + mean_z - step * mean_k, rounding: 0.0 }, error))
 }
 
 /// The middle value, if there is any.
@@ -252,12 +317,12 @@ fn short_base(levels: &[&Weighted], step: f64) -> f64 {
 }
 
 /// The interval's mark, from 0 to 1.
-fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
+fn mark(levels: &[Weighted], interval: &Interval, limit: f64) -> f64 {
     let total: f64 = levels.iter().map(|l| l.weight).sum();
     // Of several levels at one level of the interval, only the heaviest is explained. Otherwise a step as large as the
     // map is high would explain them all.
     let mut on: Vec<(f64, f64)> = Vec::new();
-    for level in levels.iter().filter(|l| off_level(interval, l.z) <= OFF_LEVEL) {
+    for level in levels.iter().filter(|l| off_level(interval, l.z) <= limit) {
         let k = ((level.z - interval.base) / interval.step).round();
         match on.last_mut() {
             Some(last) if last.0 == k => last.1 = last.1.max(level.weight),
@@ -305,7 +370,7 @@ mod tests {
     }
 
     fn interval(step: f64, base: f64) -> Option<Interval> {
-        Some(Interval { step, base })
+        Some(Interval { step, base, rounding: 0.0 })
     }
 
     #[test]
@@ -349,7 +414,39 @@ mod tests {
     #[test]
     fn feet_rounded_to_centimetres() {
         let rounded: Vec<f64> = (1..400).map(|k| (k as f64 * 304.8).round() / 100.0).collect();
-        assert_eq!(found(&rounded), interval(3.048, 0.0));
+        let got = found(&rounded).unwrap();
+        assert_eq!((got.step, got.base), (3.048, 0.0));
+        assert!(got.rounding > 0.003 && got.rounding <= 0.005, "{got:?}");
+    }
+
+    #[test]
+    fn feet_rounded_to_metres_and_metres_rounded_to_feet() {
+        let metres = |feet: f64, first: i32, count: i32| {
+            (first..first + count).map(|k| (f64::from(k) * feet * FOOT).round()).collect::<Vec<_>>()
+        };
+        for (feet, first, count) in [(50.0, 5, 28), (50.0, 1, 12), (25.0, 10, 60), (40.0, 3, 30), (100.0, 2, 15)] {
+            let got = found(&metres(feet, first, count)).unwrap();
+            assert!((got.step - feet * FOOT).abs() < 1e-9 && got.base == 0.0, "{feet} ft: {got:?}");
+            assert!(got.rounding > 0.2 && got.rounding <= 0.5 + 1e-9, "{got:?}");
+            assert!(metres(feet, first, count).iter().all(|level| got.is_level(*level)));
+        }
+        let feet = |unit: f64, of: f64| {
+            (7..35).map(|k| (f64::from(k) * 10.0 / FOOT / of).round() * of * unit).collect::<Vec<_>>()
+        };
+        // Whole feet, and thousandths; once as if they were metres.
+        for (unit, of) in [(1.0, 1.0), (FOOT, 1.0), (FOOT, 0.001), (FOOT, 0.1)] {
+            let got = found(&feet(unit, of)).unwrap();
+            let share = got.step / (10.0 / FOOT * unit) - 1.0;
+            assert!(share.abs() < 1e-3 && got.base == 0.0, "{unit} {of}: {got:?}");
+            assert!(feet(unit, of).iter().all(|level| got.is_level(*level)), "{unit} {of}: {got:?}");
+        }
+    }
+
+    #[test]
+    fn levels_of_a_whole_number_of_units_are_not_rounded() {
+        let mut levels: Vec<f64> = (10..40).map(|k| k as f64 * 10.0).collect();
+        levels.push(200.1);
+        assert_eq!(found(&levels), interval(10.0, 0.0));
     }
 
     #[test]
@@ -393,7 +490,7 @@ mod tests {
             rows in prop::collection::vec((0u32..100, 50usize..200, 0u32..100), 12..60),
             wrong in prop::collection::vec(-500.0..3000.0f64, 0..2),
         ) {
-            let truth = Interval { step, base: step * shift };
+            let truth = Interval { step, base: step * shift, rounding: 0.0 };
             let mut lines = Vec::new();
             for (k, &(missing, vertices, auxiliary)) in rows.iter().enumerate() {
                 let z = truth.base + (first + k as i64) as f64 * step;

@@ -21,12 +21,22 @@ pub struct Interval {
     /// Height of the level with k = 0, metres. From [`find_interval`](super::find_interval) it is at least 0 and less than
     /// the step.
     pub base: f64,
+    /// How far a height may be from a level and still count as this level, metres. Elevations of maps are rounded: those of 50 ft
+    /// are 15, 30, 46, 61 m. From [`find_interval`](super::find_interval), it is the largest such distance. 0 for levels that are
+    /// not rounded.
+    #[serde(default)]
+    pub rounding: f64,
 }
 
 impl Interval {
     /// Levels at whole multiples of `step`, metres.
     pub fn every(step: f64) -> Self {
-        Self { step, base: 0.0 }
+        Self { step, base: 0.0, rounding: 0.0 }
+    }
+
+    /// The largest distance of a height from its level, as a share of the step.
+    fn on_level(&self) -> f64 {
+        ON_LEVEL.max(self.rounding / self.step * (1.0 + ON_LEVEL))
     }
 
     /// The level number `k`, metres.
@@ -48,7 +58,7 @@ impl Interval {
     /// [`Interval::level`] makes it.
     pub fn level_among(&self, k: i64, levels: &[f64]) -> f64 {
         let made = self.level(k);
-        let tolerance = ON_LEVEL * self.step;
+        let tolerance = self.on_level() * self.step;
         let from = levels.partition_point(|&z| z < made - tolerance);
         levels[from..]
             .iter()
@@ -66,21 +76,21 @@ impl Interval {
     /// Whether the height `z` is a level, up to rounding.
     pub fn is_level(&self, z: f64) -> bool {
         let k = (z - self.base) / self.step;
-        (k - k.round()).abs() <= ON_LEVEL
+        (k - k.round()).abs() <= self.on_level()
     }
 
     /// The lowest level strictly above the height `z`. For a height on a level (up to rounding), the next level.
     pub fn next_above(&self, z: f64) -> f64 {
         let k = (z - self.base) / self.step;
         let nearest = k.round();
-        self.level(if (k - nearest).abs() <= ON_LEVEL { nearest + 1.0 } else { k.ceil() } as i64)
+        self.level(if (k - nearest).abs() <= self.on_level() { nearest + 1.0 } else { k.ceil() } as i64)
     }
 
     /// The highest level strictly below the height `z`. For a height on a level (up to rounding), the level before.
     pub fn next_below(&self, z: f64) -> f64 {
         let k = (z - self.base) / self.step;
         let nearest = k.round();
-        self.level(if (k - nearest).abs() <= ON_LEVEL { nearest - 1.0 } else { k.floor() } as i64)
+        self.level(if (k - nearest).abs() <= self.on_level() { nearest - 1.0 } else { k.floor() } as i64)
     }
 }
 
@@ -100,26 +110,26 @@ mod tests {
 
     #[test]
     fn levels_are_decimal_numbers() {
-        let tenth = Interval { step: 0.1, base: 0.0 };
+        let tenth = Interval { step: 0.1, base: 0.0, rounding: 0.0 };
         assert_eq!(tenth.level(3), 0.3);
         assert_eq!(tenth.level(-7), -0.7);
         assert_eq!(tenth.level(12_345), 1234.5);
-        let feet = Interval { step: 3.048, base: 0.0 };
+        let feet = Interval { step: 3.048, base: 0.0, rounding: 0.0 };
         assert_eq!(feet.level(7), 21.336);
-        let offset = Interval { step: 2.5, base: 1.25 };
+        let offset = Interval { step: 2.5, base: 1.25, rounding: 0.0 };
         assert_eq!(offset.level(-1), -1.25);
-        let survey_feet = Interval { step: 12_000.0 / 3937.0, base: 0.0 };
+        let survey_feet = Interval { step: 12_000.0 / 3937.0, base: 0.0, rounding: 0.0 };
         assert_eq!(survey_feet.level(100), 100.0 * survey_feet.step);
     }
 
     #[test]
     fn neighbours_are_strictly_above_and_below() {
-        let tenth = Interval { step: 0.1, base: 0.0 };
+        let tenth = Interval { step: 0.1, base: 0.0, rounding: 0.0 };
         assert_eq!(tenth.next_above(0.1 * 3.0), 0.4);
         assert_eq!(tenth.next_below(0.1 * 3.0), 0.2);
         assert_eq!(tenth.next_above(0.31), 0.4);
         assert_eq!(tenth.next_below(0.31), 0.3);
-        let ten = Interval { step: 10.0, base: 5.0 };
+        let ten = Interval { step: 10.0, base: 5.0, rounding: 0.0 };
         assert_eq!((ten.next_below(-5.0), ten.next_above(-5.0)), (-15.0, 5.0));
         assert_eq!((ten.next_below(9.99), ten.next_above(9.99)), (5.0, 15.0));
         assert_eq!((ten.next_below(15.001), ten.next_above(14.999)), (15.0, 15.0));
@@ -129,7 +139,7 @@ mod tests {
 
     #[test]
     fn the_input_level_is_given_back() {
-        let feet = Interval { step: 3.048, base: 0.0 };
+        let feet = Interval { step: 3.048, base: 0.0, rounding: 0.0 };
         let input = [3.048 * 6.0, 3.048 * 7.0, 3.048 * 9.0];
         assert_eq!(feet.level_among(7, &input).to_bits(), (3.048f64 * 7.0).to_bits());
         assert_eq!(feet.level_among(8, &input), 24.384);
@@ -137,8 +147,16 @@ mod tests {
     }
 
     #[test]
+    fn rounded_levels_count_as_their_levels() {
+        let feet = Interval { step: 15.24, base: 0.0, rounding: 0.48 };
+        assert!(feet.is_level(76.0) && feet.is_level(91.0) && !feet.is_level(84.0));
+        assert_eq!((feet.index_of(91.0), feet.next_above(91.0), feet.next_below(91.0)), (6, 106.68, 76.2));
+        assert_eq!(feet.level_among(6, &[76.0, 91.0]), 91.0);
+    }
+
+    #[test]
     fn absurd_heights_do_not_panic() {
-        let ten = Interval { step: 10.0, base: 0.0 };
+        let ten = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
         for z in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {
             let _ = (ten.next_above(z), ten.next_below(z), ten.index_of(z), ten.is_level(z));
         }

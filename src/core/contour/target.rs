@@ -22,7 +22,7 @@ pub enum Target {
 }
 
 impl From<Interval> for Target {
-    fn from(Interval { step, base }: Interval) -> Self {
+    fn from(Interval { step, base, .. }: Interval) -> Self {
         Self::Interval { step, base }
     }
 }
@@ -47,7 +47,7 @@ impl Target {
                         last - first
                     )));
                 }
-                let interval = Interval { step: *step, base: *base };
+                let interval = Interval { step: *step, base: *base, rounding: 0.0 };
                 (first as i64..=last as i64).map(|k| interval.level(k)).collect()
             }
             Self::Levels(levels) => {
@@ -66,7 +66,9 @@ impl Target {
     /// Whether a height, metres, is one of the levels, which are in `unit`, up to rounding.
     pub fn has(&self, unit: ElevationUnit, height: f64) -> bool {
         match self {
-            Self::Interval { step, base } => Interval { step: *step, base: *base }.is_level(unit.from_metres(height)),
+            Self::Interval { step, base } => {
+                Interval { step: *step, base: *base, rounding: 0.0 }.is_level(unit.from_metres(height))
+            }
             Self::Levels(levels) => levels.iter().any(|&level| is_one(unit.metres(level), height)),
         }
     }
@@ -76,7 +78,8 @@ impl Target {
     pub fn beside(&self, unit: ElevationUnit, height: f64) -> [f64; 2] {
         match self {
             Self::Interval { step, base } => {
-                let (interval, height) = (Interval { step: *step, base: *base }, unit.from_metres(height));
+                let (interval, height) =
+                    (Interval { step: *step, base: *base, rounding: 0.0 }, unit.from_metres(height));
                 [interval.next_below(height), interval.next_above(height)].map(|level| unit.metres(level))
             }
             Self::Levels(levels) => {

@@ -169,7 +169,7 @@ mod tests {
             input.push_line(&[DVec2::new(0.0, y), DVec2::new(10.0, y)], 20.0, VertexKind::Contour);
         }
         let tin = triangulate(input).unwrap();
-        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         let kinds = triangle_kinds(&tin);
         let axis = axis(&tin, &kinds, &regions, &eliminate(&tin, &kinds, &regions, 1.0), 2.0);
         axis.points.iter().filter(|p| (0.0..=width).contains(&p.position.y)).count()

@@ -425,7 +425,7 @@ mod tests {
             input.push(DVec2::new(x, y), z, VertexKind::Spot);
         }
         let tin = triangulate(input).unwrap();
-        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         slice(&tin, &regions, &[level], Simplification::NONE, None, &()).remove(0).lines
     }
 
@@ -503,7 +503,7 @@ mod tests {
         input.push_line(&ring(2.0), 10.0, VertexKind::Contour);
         input.push_line(&[DVec2::new(-8.0, 8.0), DVec2::new(8.0, 8.0)], 20.0, VertexKind::Contour);
         let tin = triangulate(input).unwrap();
-        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         let lines = slice(&tin, &regions, &[10.0], Simplification::NONE, None, &()).remove(0).lines;
         assert!(!lines.is_empty());
         let on_ring = |p: &DVec2| p.abs().max_element() == 2.0;

@@ -152,7 +152,7 @@ mod tests {
         assert!(gaps.closures.is_empty());
         assert!(gaps.barriers.iter().any(|g| levels(g) == [10.0, 20.0] || levels(g) == [20.0, 10.0]));
         assert!(gaps.barriers.iter().any(|g| levels(g) == [20.0, 30.0] || levels(g) == [30.0, 20.0]));
-        let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let found = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         for band in [Band { lo: 10.0, hi: 20.0 }, Band { lo: 20.0, hi: 30.0 }] {
             assert!(found.regions.iter().any(|r| r.band == band), "{band:?}");
         }
@@ -168,7 +168,7 @@ mod tests {
         ]);
         assert_eq!(gaps.closures.len(), 1);
         assert!(gaps.barriers.is_empty());
-        let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let found = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         assert_eq!(found.regions.len(), 2, "the two strips are apart");
     }
 }

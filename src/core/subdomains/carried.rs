@@ -145,7 +145,7 @@ mod tests {
     use crate::subdomains::regions;
     use crate::tin::{TinInput, VertexKind, triangulate};
 
-    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+    const TEN: Interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
 
     /// A square whose lower side is not quite straight, without the triangle below it.
     fn square() -> TinInput {

@@ -185,7 +185,7 @@ mod tests {
             input.push(p.into(), f64::NAN, VertexKind::Frame);
         }
         let tin = triangulate(input).unwrap();
-        let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let found = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         let contour = |(k, (elevation, points)): (u64, &Line)| Contour {
             elevation: *elevation,
             points: points.iter().map(|&p| p.into()).collect(),

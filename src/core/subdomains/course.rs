@@ -157,7 +157,7 @@ mod tests {
             input.push_line(&points, y, VertexKind::Contour);
         }
         let tin = triangulate(input).unwrap();
-        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 });
         let points = [(3.0, 35.0), (7.0, 22.0), (20.0, 12.0), (20.0, 10.0), (33.0, 1.0)].map(DVec2::from);
         let points = points.map(|p| p - tin.origin);
         let course = Course::new(&tin, &regions, &points, &mut 0);

@@ -146,7 +146,7 @@ mod tests {
     use crate::subdomains::regions;
     use crate::tin::{TinInput, triangulate};
 
-    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+    const TEN: Interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
 
     /// Points every 5 units along a square around a centre.
     fn ring(x: f64, half: f64) -> Vec<DVec2> {

@@ -357,7 +357,7 @@ mod tests {
     use super::*;
     use crate::tin::{TinInput, triangulate};
 
-    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+    const TEN: Interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
 
     /// Square rings (half side, height) around one centre.
     fn rings(squares: &[(f64, f64)]) -> Tin {

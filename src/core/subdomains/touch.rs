@@ -82,7 +82,7 @@ mod tests {
             }
         }
         let tin = triangulate(input).unwrap().restricted(|p| p.x * p.y > 0.0);
-        let found = agreeing_at_corners(regions(&tin, &Interval { step: 10.0, base: 0.0 }), &tin);
+        let found = agreeing_at_corners(regions(&tin, &Interval { step: 10.0, base: 0.0, rounding: 0.0 }), &tin);
         let around = |side: f64| tin.locate(0, DVec2::splat(side) - tin.origin).unwrap();
         let bands = [-9.0, 9.0].map(|side| found.region(around(side)).unwrap().band);
         bands.map(|band| (band.lo, band.hi)).to_vec()

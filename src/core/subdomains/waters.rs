@@ -130,7 +130,7 @@ mod tests {
     use crate::subdomains::regions;
     use crate::tin::{TinInput, VertexKind, triangulate};
 
-    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+    const TEN: Interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
 
     fn square(input: &mut TinInput, half: f64, height: f64, kind: VertexKind) {
         let ring = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)].map(DVec2::from);

@@ -368,7 +368,7 @@ mod tests {
         let thin = |c: &Contour| with_fewer_vertices(c, cell / 4.0);
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
         assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
-        let interval = Interval { step: 10.0, base: 0.0 };
+        let interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
         let kept = LevelSubset { every: 2, phase: 0 };
         let tuning = Tuning::default();
         let params =

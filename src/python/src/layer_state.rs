@@ -146,7 +146,7 @@ pub fn restored_layer(py: Python<'_>, state: State<'_>) -> PyResult<Layer> {
     let layer = layer::Layer { name: &name, geometry, columns, rows };
     let made = Layer::new(&layer, crs.as_ref()).map_err(|error| exception(py, &error))?;
     let shown = shown.map(|(interval, index, unit)| -> PyResult<Shown> {
-        let interval = interval.map(|(step, base)| Interval { step, base });
+        let interval = interval.map(|(step, base)| Interval { step, base, rounding: 0.0 });
         Ok(Shown { interval, index, unit: unit_of(py, &unit)? })
     });
     Ok(Layer { shown: shown.transpose()?, ..made })

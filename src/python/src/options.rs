@@ -243,7 +243,7 @@ impl Levels {
         }
         Ok(match &self.levels {
             Some(levels) => vec![Target::Levels(levels.clone())],
-            None => self.intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
+            None => self.intervals.iter().map(|&step| Interval { step, base, rounding: 0.0 }.into()).collect(),
         })
     }
 

@@ -358,7 +358,7 @@ pub fn with_labels(
     let mut all = Vec::new();
     for (layer, target) in layers.iter().zip(targets) {
         let interval = match *target {
-            Target::Interval { step, base } => Some(Interval { step, base }),
+            Target::Interval { step, base } => Some(Interval { step, base, rounding: 0.0 }),
             Target::Levels(_) => None,
         };
         let shown = Some(Shown { interval, index: levels.index, unit });

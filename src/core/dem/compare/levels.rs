@@ -94,7 +94,7 @@ pub(super) struct LevelCounts {
 impl LevelCounts {
     /// Counts of heights in a range. Usual intervals are tried if none is given.
     pub fn new(range: (f32, f32), interval: Option<&Interval>, precision: Option<Precision>) -> Self {
-        let tried = FINE.map(|step| Interval { step, base: 0.0 });
+        let tried = FINE.map(|step| Interval { step, base: 0.0, rounding: 0.0 });
         let fine = interval.map_or(tried.as_slice(), std::slice::from_ref);
         let fine = fine.iter().filter_map(|interval| Counts::new(range, *interval, precision)).collect();
         Self { precision, interval: interval.copied(), fine }
@@ -115,7 +115,8 @@ impl LevelCounts {
             return self.fine.first()?.histogram(1, interval, self.precision);
         }
         USUAL.iter().find_map(|&(step, fine, times)| {
-            let found = self.fine.get(fine)?.histogram(times, &Interval { step, base: 0.0 }, self.precision);
+            let found =
+                self.fine.get(fine)?.histogram(times, &Interval { step, base: 0.0, rounding: 0.0 }, self.precision);
             found.filter(|h| h.terraced == Some(true))
         })
     }
@@ -245,7 +246,7 @@ pub fn find_terraces(heights: &[f32], precision: Option<Precision>) -> Option<Le
 mod tests {
     use super::*;
 
-    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+    const TEN: Interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
 
     /// Heights 0 to 100 in even steps; `pull` of those within 2 m of a level are on it.
     fn slope(pull: f64) -> Vec<f32> {
@@ -298,7 +299,7 @@ mod tests {
     fn whole_metres_are_no_terraces() {
         let whole: Vec<f32> = slope(0.0).iter().map(|h| h.round()).collect();
         assert_eq!(level_histogram(&whole, &TEN, Some(Precision::WholeMetres)).unwrap().terraced, Some(false));
-        let five = Interval { step: 5.0, base: 0.0 };
+        let five = Interval { step: 5.0, base: 0.0, rounding: 0.0 };
         assert_eq!(level_histogram(&whole, &five, Some(Precision::WholeMetres)).unwrap().terraced, None);
         assert_eq!(find_terraces(&whole, Some(Precision::WholeMetres)), None);
     }
@@ -307,8 +308,8 @@ mod tests {
     fn nothing_comes_of_nothing() {
         assert_eq!(level_histogram(&[], &TEN, None), None);
         assert_eq!(level_histogram(&[f32::NAN], &TEN, None), None);
-        assert_eq!(level_histogram(&[0.0, 1e9], &Interval { step: 1e-9, base: 0.0 }, None), None);
-        assert_eq!(level_histogram(&[0.0, 1.0], &Interval { step: 0.0, base: 0.0 }, None), None);
+        assert_eq!(level_histogram(&[0.0, 1e9], &Interval { step: 1e-9, base: 0.0, rounding: 0.0 }, None), None);
+        assert_eq!(level_histogram(&[0.0, 1.0], &Interval { step: 0.0, base: 0.0, rounding: 0.0 }, None), None);
         assert_eq!(level_histogram(&[0.0, f32::MAX], &TEN, None), None);
         assert_eq!(level_histogram(&[5.0], &TEN, None).unwrap().terraced, None);
     }
@@ -322,7 +323,7 @@ mod tests {
             let mut all = LevelCounts::new(range(&heights), None, precision);
             all.add(&heights);
             for (step, fine, times) in USUAL {
-                let interval = Interval { step, base: 0.0 };
+                let interval = Interval { step, base: 0.0, rounding: 0.0 };
                 let found = all.fine[fine].histogram(times, &interval, precision);
                 assert_eq!(found, level_histogram(&heights, &interval, precision), "{step} {precision:?}");
             }

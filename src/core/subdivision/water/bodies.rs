@@ -192,7 +192,7 @@ mod tests {
         };
         let mut findings = Vec::new();
         let frame = frame_ring(&map, &Frame::Hull);
-        let interval = Interval { step: 10.0, base: 0.0 };
+        let interval = Interval { step: 10.0, base: 0.0, rounding: 0.0 };
         let found = constraints.triangulated(&map, &frame, &[], &interval, &mut findings);
         assert!(found.is_ok());
         let used: Vec<bool> = constraints.water_bodies.water_bodies.iter().map(|body| body.used).collect();
