@@ -194,3 +194,13 @@ fn a_row_of_cells_is_no_ground_and_cells_of_a_page_are_not_too_many() {
     assert!(!well && said.contains("cells"), "{said}");
     assert!(!folder.path("a.html").exists());
 }
+
+#[test]
+fn few_triangles_are_the_same_for_any_number_of_threads() {
+    let folder = folder_with("caryville_20m_truth.tif", "truth.tif");
+    let made = [1, 2, 5].map(|threads| {
+        folder.succeeds(&format!("mesh truth.tif --tolerance 1 --threads {threads} -o {threads}.ply"));
+        fs::read(folder.path(&format!("{threads}.ply"))).unwrap()
+    });
+    assert!(made[0] == made[1] && made[0] == made[2]);
+}

@@ -52,7 +52,7 @@ pub fn run(args: &MeshArgs, form: Form, plates: Option<PlateParams>, console: &C
         _ => {
             let shell = console.step("triangles", || model.mesh(args.tolerance))?;
             let base = args.base_height.filter(|_| form != Form::Print);
-            let mesh = base.map_or_else(|| Ok(shell.clone()), |base| shell.clone().closed(base))?;
+            let mesh = if let Some(base) = base { shell.closed(base)? } else { shell };
             let written = args.write_model(form, &mesh, (&model.reprojection, &staged), console)?;
             if let Some(picture) = &mut picture {
                 let shown =

@@ -232,7 +232,7 @@ impl Raster {
         work(py, progress, |_| {
             let model = DemModel::new(dem, None, available_memory())?;
             let shell = model.mesh(tolerance)?;
-            let mesh = base.map_or_else(|| Ok(shell.clone()), |base| shell.clone().closed(base))?;
+            let mesh = if let Some(base) = base { shell.closed(base)? } else { shell };
             Ok(mesh.in_drawing(&model.reprojection).unwrap_or(mesh))
         })
         .map(Model)
