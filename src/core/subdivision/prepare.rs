@@ -46,7 +46,10 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
     let sea = sea_level(water, &map, &mut findings)?;
     let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
     let tolerance = frame.tolerance();
-    let (ends, extensions) = extend_open_ends(&map, &frame, tolerance);
+    // All other frames lie inside the hull.
+    let may_be_wider = matches!(wanted, Frame::Polygon(_) | Frame::Box);
+    let hull = may_be_wider.then(|| frame_ring(&map, &Frame::Hull));
+    let (ends, extensions) = extend_open_ends(&map, &frame, hull.as_ref(), tolerance);
     let frame = match wanted {
         Frame::Auto | Frame::Hull | Frame::Box | Frame::Convex(_) => frame,
         Frame::Polygon(_) | Frame::PolygonInHull(_) | Frame::Outline(_) => {

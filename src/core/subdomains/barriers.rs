@@ -112,7 +112,7 @@ mod tests {
         let cut_ends = cut.iter().map(|&p| p.into()).collect();
         let map = ContourMap { contours: contours.collect(), cut_ends, ..ContourMap::default() };
         let ring = frame_ring(&map, &Frame::Hull);
-        let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
+        let (ends, extensions) = extend_open_ends(&map, &ring, None, 1e-7);
         let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(300.0)], 1e-7);
         for c in &map.contours {
             input.push_line(&c.points, c.elevation, VertexKind::Contour);

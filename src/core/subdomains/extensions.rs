@@ -2,7 +2,9 @@
 //!
 //! A contour that runs off the map ends near the frame, seldom on it. Where the frame is nearer than any other end, and
 //! nothing lies between, a straight *frame extension* continues the contour to the frame. Without it the ground on the
-//! two sides of the contour would be one sub-domain. The other ends (at a ragged outline, a cliff or a gap, or of an
+//! two sides of the contour would be one sub-domain. Where the frame lies outside the convex hull of the contours, the border of the
+//! hull is what must be nearer than any other end: these contours run off the map too. Ways to the nearest points of the frame do
+//! not cross. The other ends (at a ragged outline, a cliff or a gap, or of an
 //! auxiliary contour) are closed later, in the triangulation: see [`close_gaps`](super::close_gaps).
 
 use std::collections::{HashMap, HashSet};
@@ -53,8 +55,14 @@ const RUN: usize = 16;
 
 /// Finds all ends of open contours, and extends those that are nearest to the frame.
 ///
-/// Ends within `tolerance` (map units) of the frame lie on it and need no extension.
-pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Vec<OpenEnd>, Vec<FrameExtension>) {
+/// Ends within `tolerance` (map units) of the frame lie on it and need no extension. `hull` is the convex hull of the contours, if the
+/// frame may lie outside it.
+pub fn extend_open_ends(
+    map: &ContourMap,
+    ring: &FrameRing,
+    hull: Option<&FrameRing>,
+    tolerance: f64,
+) -> (Vec<OpenEnd>, Vec<FrameExtension>) {
     let mut ends: Vec<OpenEnd> = map
         .contours
         .iter()
@@ -67,7 +75,9 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
     }
     let cut: HashSet<[u64; 2]> = map.cut_ends.iter().map(|p| bits(*p)).collect();
     ends.iter_mut().for_each(|end| end.is_cut = cut.contains(&bits(end.position)));
-    let frame = RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
+    let edges =
+        |ring: &FrameRing| RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
+    let (frame, hull) = (edges(ring), hull.map(edges));
     let corners: RTree<[f64; 2]> = RTree::bulk_load(ring.rings().flatten().map(|p| p.to_array()).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
     let index = Sight::new(map);
@@ -87,7 +97,9 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
         let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
         let is_free =
             || index.sees(map, end.position, beyond) && !index.touches(map, end.position, on_frame, tolerance);
-        if nearest_end.is_some_and(|d2| d2 < distance * distance) || !is_free() {
+        let of_hull = hull.as_ref().and_then(|hull| Some(hull.nearest_neighbor(&at)?.distance_2(&at)));
+        let to_border = of_hull.unwrap_or(f64::INFINITY).min(distance * distance);
+        if nearest_end.is_some_and(|d2| d2 < to_border) || !is_free() {
             return (false, None);
         }
         (true, Some(FrameExtension { end: end.position, frame: on_frame, elevation: end.elevation }))
@@ -233,7 +245,7 @@ mod tests {
             (30.0, &[(0.0, 100.0), (100.0, 100.0)]),
         ]);
         let ring = frame_ring(&map, &Frame::Hull);
-        let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
+        let (ends, extensions) = extend_open_ends(&map, &ring, None, 1e-7);
         let of = |z: f64| extensions.iter().filter(|l| l.elevation == z).map(|l| (l.end, l.frame)).collect::<Vec<_>>();
         assert_eq!(of(10.0), [(DVec2::new(2.0, 50.0), DVec2::new(0.0, 50.0))]);
         assert!(of(0.0).is_empty() && of(30.0).is_empty(), "those ends lie on the frame");
@@ -243,13 +255,34 @@ mod tests {
     }
 
     #[test]
+    fn ends_at_the_border_of_the_map_are_extended_to_a_wider_frame() {
+        // Contours 10 apart that run off a square map on both sides, and a gap in one of them.
+        let lines: Vec<(f64, Vec<(f64, f64)>)> = (0..=10)
+            .map(|k| 10.0 * f64::from(k))
+            .flat_map(|y| match y {
+                50.0 => vec![(y, vec![(0.0, y), (48.0, y)]), (y, vec![(52.0, y), (100.0, y)])],
+                _ => vec![(y, vec![(0.0, y), (100.0, y)])],
+            })
+            .collect();
+        let map = map(&lines.iter().map(|(z, points)| (*z, points.as_slice())).collect::<Vec<_>>());
+        let wide = polygon![(x: -40.0, y: -40.0), (x: 140.0, y: -40.0), (x: 140.0, y: 140.0), (x: -40.0, y: 140.0)];
+        let ring = frame_ring(&map, &Frame::Polygon(wide.into()));
+        let hull = frame_ring(&map, &Frame::Hull);
+        assert!(extend_open_ends(&map, &ring, None, 1e-7).1.is_empty());
+        let (ends, extensions) = extend_open_ends(&map, &ring, Some(&hull), 1e-7);
+        assert_eq!(extensions.len(), 22);
+        assert!(extensions.iter().all(|extension| extension.end.distance(extension.frame) == 40.0));
+        assert_eq!(ends.iter().filter(|end| !end.at_frame).count(), 2, "the gap stays");
+    }
+
+    #[test]
     fn no_extension_ends_on_a_contour_along_the_frame() {
         // Up to rounding, the nearest point of the frame lies on the slanting line of level 0, a part of the hull.
         for k in 0..20 {
             let end = (40.0 + 0.37 * f64::from(k), 25.0 + 0.11 * f64::from(k));
             let map = map(&[(0.0, &[(0.0, 0.1), (100.0, 33.3)]), (10.0, &[end, (55.0, 90.0), (0.0, 91.0)])]);
             let ring = frame_ring(&map, &Frame::Hull);
-            let (_, extensions) = extend_open_ends(&map, &ring, ring.tolerance());
+            let (_, extensions) = extend_open_ends(&map, &ring, None, ring.tolerance());
             assert!(extensions.iter().all(|l| l.end != DVec2::from(end)), "{end:?}");
         }
     }
@@ -264,7 +297,7 @@ mod tests {
                 (20.0, &[(20.0, 0.0), (200.0, 0.0)]),
             ]);
             let ring = frame_ring(&map, &Frame::Box);
-            let (_, extensions) = extend_open_ends(&map, &ring, ring.tolerance());
+            let (_, extensions) = extend_open_ends(&map, &ring, None, ring.tolerance());
             assert!(extensions.iter().all(|l| l.end.x != 60.0), "{off}: {extensions:?}");
         }
     }
@@ -279,7 +312,7 @@ mod tests {
                 (30.0, &[(50.0, 10.0), (400.0, 10.0), (400.0, 300.0), (50.0, 300.0)]),
             ]);
             let ring = frame_ring(&map, &Frame::Box);
-            let (_, extensions) = extend_open_ends(&map, &ring, ring.tolerance());
+            let (_, extensions) = extend_open_ends(&map, &ring, None, ring.tolerance());
             assert!(extensions.iter().all(|l| l.end.y != 60.0), "{off}: {extensions:?}");
         }
     }
@@ -291,7 +324,7 @@ mod tests {
             area: polygon![(x: 0.0, y: 0.0), (x: 100.0, y: 0.0), (x: 100.0, y: 90.0), (x: 0.0, y: 90.0), (x: 1e-13, y: 50.0)].into(),
         };
         let tolerance = ring.tolerance();
-        let (_, extensions) = extend_open_ends(&map, &ring, tolerance);
+        let (_, extensions) = extend_open_ends(&map, &ring, None, tolerance);
         let of_10: Vec<&FrameExtension> = extensions.iter().filter(|l| l.elevation == 10.0).collect();
         assert_eq!(of_10.len(), 1);
         assert_eq!(of_10[0].frame, DVec2::new(1e-13, 50.0));
@@ -310,7 +343,7 @@ mod tests {
             (20.0, &[(0.0, 100.0), (100.0, 100.0)]),
         ]);
         let ring = frame_ring(&map, &Frame::Hull);
-        let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
+        let (ends, extensions) = extend_open_ends(&map, &ring, None, 1e-7);
         assert!(extensions.is_empty());
         assert_eq!(ends.iter().filter(|e| !e.at_frame).count(), 2);
     }

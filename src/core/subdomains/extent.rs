@@ -1,5 +1,7 @@
 //! What is known of a map before it is triangulated: its frame, interval and mean spacing.
 
+use glam::DVec2;
+
 use crate::contour::{ContourMap, Interval};
 use crate::subdomains::FrameRing;
 
@@ -22,8 +24,10 @@ impl<'a> MapExtent<'a> {
         Self::with_area(map, frame, interval, geo::Area::unsigned_area(&frame.area))
     }
 
-    /// Takes a given area, square map units.
+    /// Takes a given area, square map units. An area that is larger than the box around the contours counts as much as this box.
     pub fn with_area(map: &'a ContourMap, frame: &'a FrameRing, interval: Interval, area: f64) -> Self {
+        let (lo, hi) = map.places().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        let area = area.min((hi - lo).max(DVec2::ZERO).element_product());
         let length: f64 = map.contours.iter().map(|c| c.length()).sum();
         Self { map, frame, interval, spacing: area / length.max(f64::MIN_POSITIVE) }
     }
