@@ -174,7 +174,9 @@ impl MapArgs {
         // What is neither is an error that the reader explains.
         let is_height_map = |source: &&VectorSource| matches!(content(&source.path), Ok(Content::HeightMap));
         if let Some(source) = sources.iter().find(is_height_map) {
-            let message = "this is a height map, and contour lines are needed; 'tokosen contour' draws its contours";
+            let is_xml = source.path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml"));
+            let what = if is_xml { "its cells or triangles are a height map" } else { "this is a height map" };
+            let message = format!("{what}, and contour lines are needed; 'tokosen contour' draws its contours");
             return Err(Failure::Work(Error::file(&source.path, message)));
         }
         let options = InputOptions {

@@ -72,14 +72,16 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let first = first.ok_or_else(|| Error::empty(path))?;
     let separator = [b';', b'\t', b','].into_iter().find(|&separator| first.contains(char::from(separator)));
     let mut table = Table::new(request);
-    let mut columns: Option<(Columns, Vec<usize>)> = None;
+    let mut columns: Option<(Columns, Vec<Option<usize>>)> = None;
     let mut srids: Vec<Option<u32>> = Vec::new();
     for_each_row(&text, separator, &mut |line, row| {
         let (columns, fields) = match &mut columns {
             Some(known) => known,
             None => {
                 let (found, is_header) = columns_of(row).map_err(|message| Error::file(path, message))?;
-                let fields = found.names.iter().map(|name| table.field(name)).collect();
+                let is_attribute = |column: &usize| !found.place.is_in(*column);
+                let attributes = (0..found.names.len()).map(|k| Some(k).filter(is_attribute));
+                let fields = attributes.map(|k| Some(table.field(&found.names[k?]))).collect();
                 let known = columns.insert((found, fields));
                 if is_header {
                     return Ok(());
@@ -112,8 +114,8 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
                     .map_err(|what| Error::Data(format!("line {line}: the geometry {what}")))?;
             }
         }
-        for (k, value) in row.iter().enumerate().filter(|(k, _)| !columns.place.is_in(*k)) {
-            let Some(&field) = fields.get(k).filter(|&&field| table.wants(field)) else { continue };
+        for (value, field) in row.iter().zip(fields) {
+            let Some(field) = field.filter(|field| table.wants(*field)) else { continue };
             let value = match number(value) {
                 Some(number) => Value::Number(number),
                 None if value.is_empty() => Value::Null,

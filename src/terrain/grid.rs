@@ -205,6 +205,9 @@ impl Cells {
             None => frame.extent(),
             Some(apart) => apart.extent(frame)?,
         };
+        if lo.cmpgt(hi).any() {
+            return Err(Error::NoContours { in_polygon: true });
+        }
         let in_degrees = self.apart.as_ref().is_some_and(|apart| apart.crs.is_geographic());
         let count = ((hi - lo) / cell).ceil();
         if !count.is_finite() || count.x * count.y > MOST_CELLS {
