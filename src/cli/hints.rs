@@ -73,6 +73,7 @@ pub fn for_kind_of(finding: &Finding, takes_unit: TakesUnit) -> Option<String> {
         FindingKind::StreamBeside | FindingKind::StreamCut => {
             Some("--stream-tolerance DISTANCE moves streams further; --diagnostics shows them".into())
         }
+        FindingKind::SpotMissed => Some("--points-sigma ERROR takes spot heights as measurements".into()),
         FindingKind::BaseDiffers => {
             Some("--base-fade DISTANCE carries the difference further; 0 leaves the base as it is".into())
         }

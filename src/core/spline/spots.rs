@@ -1,9 +1,10 @@
 //! Makes the surface pass through spot heights.
 //!
 //! The solution comes near them: their heights are conditions on the edges between nodes. What is left is spread over the
-//! ground around each, as a smooth bump that ends where the next contour is.
+//! ground around each, as a smooth bump that ends where the next contour or the next spot height is.
 
 use glam::{DVec2, DVec3};
+use rstar::RTree;
 
 use super::lattice::Lattice;
 use super::working_grid::WorkingGrid;
@@ -20,7 +21,14 @@ const LEAST: f64 = 1.5;
 pub(super) fn meet(spots: &[DVec3], working: &mut WorkingGrid, [lo, hi]: [&[f32]; 2], spacing: f64, interval: f64) {
     let lattice = Lattice::of_grid(&working.grid);
     let most = spacing / lattice.step.min_element();
-    let bumps: Vec<Bump> = spots.iter().filter_map(|spot| Bump::new(*spot, &lattice, [lo, hi], most)).collect();
+    let places = spots.iter().map(|spot| lattice.place(spot.truncate()).to_array());
+    let places: RTree<[f64; 2]> = RTree::bulk_load(places.collect());
+    let bump = |spot: &DVec3| {
+        let place = lattice.place(spot.truncate()).to_array();
+        let other = places.nearest_neighbor_iter_with_distance_2(&place).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
+        Bump::new(*spot, &lattice, [lo, hi], other.map_or(most, |d2| most.min(d2.sqrt())))
+    };
+    let bumps: Vec<Bump> = spots.iter().filter_map(bump).collect();
     for _ in 0..ROUNDS {
         let mut is_met = true;
         for bump in &bumps {

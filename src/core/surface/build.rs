@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use glam::DVec3;
+
 use super::built::Surface;
 use super::coarse::account_for_coarse_nodes;
 use super::given::Given;
@@ -22,6 +24,9 @@ use crate::spline::{WorkingGrids, working_grid};
 use crate::subdivision::{Subdivision, prepare};
 use crate::subdomains::MapExtent;
 use crate::validate::{TrialParams, choose, error_field};
+
+/// Spot heights that differ from the surface by more than this share of the contour interval are not met.
+const MET: f64 = 1e-3;
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::clean::clean)).
 ///
@@ -89,6 +94,7 @@ pub fn build(
             let made = smooth(on, lines, (given, params), &chosen.hyper_parameters, progress);
             (streams, sinks) = (made.streams, made.sinks);
             findings.extend(made.findings);
+            findings.extend(missed_spots(&subdivision, &made.working));
             (Some(made.working), made.triangles)
         }
     };
@@ -149,6 +155,20 @@ pub fn build(
         errors,
     };
     Ok(Report { value: surface, findings })
+}
+
+/// Tells of the spot heights that the surface does not pass through.
+fn missed_spots(subdivision: &Subdivision, working: &WorkingGrids) -> Option<Finding> {
+    let missed = |spot: DVec3| (spot.z - f64::from(working.at(spot.truncate()))).abs();
+    let misses = subdivision.used_spots().map(|spot| (missed(spot), spot));
+    let missed: Vec<(f64, DVec3)> = misses.filter(|(by, _)| *by > MET * subdivision.interval.step).collect();
+    let (by, spot) = missed.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let message = format!(
+        "{} of {} spot heights are not met, because others are too near to them; the largest difference is {by:.2} m. Give their          standard error if they are measurements",
+        missed.len(),
+        subdivision.used_spots().count(),
+    );
+    Some(Finding::at(FindingKind::SpotMissed, spot.truncate(), message))
 }
 
 /// The spot heights with a standard error that the surface uses.

@@ -154,6 +154,8 @@ kinds! {
     SpotOnLine = "spot-on-line", Warning, "spot heights on contours";
     /// A spot height does not lie between the two levels around it; it was left out.
     SpotOutsideBand = "spot-outside-band", Warning, "spot heights outside the contours around them";
+    /// The surface does not pass through spot heights, because others are too near.
+    SpotMissed = "spot-missed", Warning, "spot heights that the surface misses";
     /// A line was given the elevation that fits the lines around it.
     Relabelled = "relabelled", Note, "elevations corrected";
     /// Two ends were joined across a gap wider than the snap distance.
