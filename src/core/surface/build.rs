@@ -164,9 +164,11 @@ fn missed_spots(subdivision: &Subdivision, working: &WorkingGrids) -> Option<Fin
     let missed: Vec<(f64, DVec3)> = misses.filter(|(by, _)| *by > MET * subdivision.interval.step).collect();
     let (by, spot) = missed.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let message = format!(
-        "{} of {} spot heights are not met, because others are too near to them; the largest difference is {by:.2} m. Give their          standard error if they are measurements",
+        "{} of {} spot heights are not met, because others are too near to them: the largest difference, here, is {:.1} % of \
+         the contour interval",
         missed.len(),
         subdivision.used_spots().count(),
+        100.0 * by / subdivision.interval.step,
     );
     Some(Finding::at(FindingKind::SpotMissed, spot.truncate(), message))
 }
