@@ -128,4 +128,22 @@ mod tests {
             assert!(missed <= MET * 10.0, "{spot}: {missed}");
         }
     }
+
+    #[test]
+    fn spot_heights_close_to_each_other_are_met() {
+        let grid = Grid { corner: DVec2::new(-0.5, 60.5), cell: DVec2::ONE, cols: 61, rows: 61 };
+        let (lo, hi) = (vec![0.0; grid.len()], vec![20.0; grid.len()]);
+        // Rough ground, known at every third node.
+        let ground = |x: f64, y: f64| 10.0 + 4.0 * (x * 0.9).sin() * (y * 0.7).cos();
+        let spots: Vec<DVec3> = (1..400)
+            .map(|k| DVec2::new(f64::from(k % 20) * 3.0, f64::from(k / 20) * 3.0))
+            .map(|p| p.extend(ground(p.x, p.y)))
+            .collect();
+        let mut working = WorkingGrid { grid, heights: vec![10.0; grid.len()] };
+        meet(&spots, &mut working, [&lo, &hi], 30.0, 20.0);
+        for spot in &spots {
+            let missed = (f64::from(working.at(spot.truncate())) - spot.z).abs();
+            assert!(missed <= MET * 20.0, "{spot}: {missed}");
+        }
+    }
 }
