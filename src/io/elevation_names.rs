@@ -135,7 +135,6 @@ pub(super) const ELEVATIONS: &[Named] = &[
 
 /// Names that hold elevations, and in other files kinds or numbers.
 pub(super) const OPEN: &[Named] = &[
-    ("h", "tables of surveys"),
     ("nivel", "Spanish, Portuguese: level"),
     ("nível", "Portuguese: level"),
     ("niveau", "French, German: level"),
