@@ -52,7 +52,7 @@ use super::{memory, plane, summary, tiles};
     mut_arg("clip", |arg| arg.help(CLIP_HELP)),
 )]
 pub struct ContourArgs {
-    /// Height map (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報
+    /// Height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles), or a .xml, .zip or folder of 基盤地図情報
     #[arg(help_heading = "Input")]
     dem: PathBuf,
     #[command(flatten, next_help_heading = "Input")]

@@ -56,7 +56,7 @@ use super::{memory, summary};
     mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
     mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [units of the working CRS, or of --to-crs; those of a drawing without a CRS that is in feet]; cells lie on multiples of it")),
     mut_arg("to_crs", |arg| arg.help(TO_CRS_HELP)),
-    mut_arg("like", |arg| arg.help("For contours: use the grid of this height map (.tif, .asc, .exr, .png, .xyz)")),
+    mut_arg("like", |arg| arg.help("For contours: use the grid of this height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles)")),
 )]
 pub struct DeriveArgs {
     #[command(flatten)]
@@ -115,7 +115,7 @@ pub struct DeriveArgs {
 }
 
 const TO_CRS_HELP: &str = "For contours: coordinate reference system of the height map [default: the working CRS]";
-const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png, .xyz), or contour lines (.geojson, .json, .gpkg, .shp, .fgb, .parquet, .dxf, .kml, \
+const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles), or contour lines (.geojson, .json, .gpkg, .shp, .fgb, .parquet, .dxf, .kml, \
                           .gml, .csv and others), \
                           or a .xml, .zip or folder of 基盤地図情報";
 

@@ -36,7 +36,7 @@ pub struct GridArgs {
         hide_short_help = true
     )]
     pub cell_degrees: Option<f64>,
-    /// Use the grid of this height map (.tif, .asc, .exr, .png, .xyz): its extent, its cells, square or not, and its
+    /// Use the grid of this height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles): its extent, its cells, square or not, and its
     /// coordinate reference system
     #[arg(long, value_name = "RASTER", conflicts_with_all = ["cell", "cell_degrees"])]
     pub like: Option<PathBuf>,

@@ -41,7 +41,7 @@ const PRINTED: usize = 6;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).num_args(1).action(ArgAction::Set).value_name("A").help(
-    "The ground: a height map (.tif, .asc, .exr, .png, .xyz) or contour lines (.gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
+    "The ground: a height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles) or contour lines (.gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("cell", |arg| arg.help("Cell size for contours [units of the working CRS]; cells lie on multiples of it")))]
 pub struct VolumeArgs {

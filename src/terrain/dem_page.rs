@@ -50,19 +50,12 @@ impl DemModel {
         let labels = label_layers(&layers, None, (lo, hi), units.heights)?.pop().unwrap_or_default();
         Ok(terrain_page(&TerrainPage {
             title: &params.title,
-            errors: None,
-            differences: None,
-            water: None,
-            mesh: &mesh,
             tolerance,
             contours: layers.first().map_or(&[], |layer| &layer.lines),
             labels: &labels,
-            lines: Vec::new(),
-            spots: Vec::new(),
-            findings: &[],
             exaggeration: exaggeration(hi - lo, &mesh),
             units,
-            heights: &heights,
+            ..TerrainPage::of_heights(&heights, &mesh)
         }))
     }
 

@@ -44,23 +44,17 @@ pub fn difference_page(pair: &Pair, found: &Comparison, progress: &dyn Progress)
     let name = |side: &super::Side| side.source.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok(terrain_page(&TerrainPage {
         title: &format!("{} − {}", name(&pair.a), name(&pair.b)),
-        errors: None,
         differences: Some(Differences {
             places: largest(&heights.grid, &values),
             values,
             limit: found.unit.metres(round_limit(&found.overall)),
         }),
-        water: None,
-        mesh: &mesh,
         tolerance,
         contours: contours.first().map_or(&[], |layer| &layer.lines),
         labels: &labels,
-        lines: Vec::new(),
-        spots: Vec::new(),
-        findings: &[],
         exaggeration: exaggeration(hi - lo, &mesh),
         units,
-        heights: &heights,
+        ..TerrainPage::of_heights(&heights, &mesh)
     }))
 }
 

@@ -19,7 +19,7 @@ use crate::cli::vertical_shift::ShiftArgs;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).num_args(1).value_name("A").help(
-    "What is compared: a height map (.tif, .asc, .exr, .png, .xyz) or contour lines (.gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
+    "What is compared: a height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles) or contour lines (.gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("cell", |arg| arg.help("Cell size of the height map [units of the working CRS]; cells lie on multiples of it")))]
 #[command(mut_arg("points", |arg| arg.help(

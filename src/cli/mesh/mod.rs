@@ -87,7 +87,7 @@ pub struct MeshArgs {
 }
 
 const INPUT_HELP: &str = "Contour lines (.geojson, .json, .gpkg, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), a height map \
-                          (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報";
+                          (.tif, .asc, .exr, .png, .xyz, LandXML triangles), or a .xml, .zip or folder of 基盤地図情報";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -86,6 +86,28 @@ pub struct TerrainPage<'a> {
     pub units: Units,
 }
 
+impl<'a> TerrainPage<'a> {
+    /// Heights and their triangles alone, in metres and not exaggerated.
+    pub fn of_heights(heights: &'a Dem, mesh: &'a Mesh) -> Self {
+        Self {
+            title: "",
+            heights,
+            errors: None,
+            differences: None,
+            water: None,
+            mesh,
+            tolerance: 0.0,
+            contours: &[],
+            labels: &[],
+            lines: Vec::new(),
+            spots: Vec::new(),
+            findings: &[],
+            exaggeration: 1.0,
+            units: Units::METRES,
+        }
+    }
+}
+
 /// Differences from other heights, metres.
 #[derive(Debug, Clone)]
 pub struct Differences {

@@ -16,22 +16,7 @@ fn page_of(title: &str, findings: &[Finding]) -> String {
         crs: None,
         unit: None,
     };
-    terrain_page(&TerrainPage {
-        title,
-        heights: &heights,
-        errors: None,
-        differences: None,
-        water: None,
-        mesh: &mesh,
-        tolerance: 0.5,
-        contours: &[],
-        labels: &[],
-        lines: Vec::new(),
-        spots: Vec::new(),
-        findings,
-        exaggeration: 1.0,
-        units: Units::METRES,
-    })
+    terrain_page(&TerrainPage { title, tolerance: 0.5, findings, ..TerrainPage::of_heights(&heights, &mesh) })
 }
 
 fn data_of(page: &str) -> Value {
