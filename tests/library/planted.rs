@@ -176,6 +176,24 @@ fn a_missing_contour_is_told_with_its_place() {
 }
 
 #[test]
+fn a_missing_contour_lies_between_the_two_that_are_named() {
+    // Taken from a map of much simplified lines. The steepest place of the ground here is not where the contour is missing.
+    let lines = vec![
+        line(110.0, &[(352.0, 1164.0), (349.0, 1200.0)], 1),
+        line(140.0, &[(305.0, 1029.0), (227.0, 929.0)], 2),
+        line(80.0, &[(622.0, 222.0), (627.0, 224.0)], 3),
+        line(90.0, &[(442.0, 1089.0), (502.0, 1029.0), (704.0, 219.0), (552.0, 124.0), (566.0, 0.0)], 4),
+        line(120.0, &[(297.0, 1084.0), (524.0, 0.0)], 5),
+        line(100.0, &[(627.0, 372.0), (530.0, 129.0)], 6),
+    ];
+    let mut told = subdivided(lines).1;
+    told.retain(|f| f.message.contains("are neighbours"));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(told[0].elevations, [80.0, 100.0]);
+    assert!(told[0].message.contains("the contour 90 m between them is missing"), "{told:?}");
+}
+
+#[test]
 fn a_missing_contour_beside_a_wrong_label_is_told_too() {
     let mut elevations = levels(9);
     elevations[3] = 410.0;
@@ -188,7 +206,8 @@ fn a_missing_contour_beside_a_wrong_label_is_told_too() {
         let kinds: Vec<_> = told.iter().map(|f| (f.kind, numbers(f))).collect();
         assert_eq!(kinds, [(FindingKind::SkippedLevel, vec![4]), (FindingKind::WrongLabel, vec![4])], "{told:?}");
         assert!(
-            told[0].message.contains("between contours 120 m and 150 m") && told[0].message.contains("130 m to 140 m"),
+            told[0].message.contains("below 130 m and ground above 140 m")
+                && told[0].message.contains("130 m to 140 m"),
             "{told:?}"
         );
     }

@@ -184,12 +184,10 @@ pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged:
         let Some(to) = fits(w) else {
             if let [lowest, .., highest] = w.apart[..] {
                 let message = format!(
-                    "between contours {} m and {} m there is only feature {feature} ({from} m): of the contours \
-                     {} m to {} m all others are missing",
-                    grid.elevation(lowest - 1),
-                    grid.elevation(highest + 1),
-                    grid.elevation(lowest),
-                    grid.elevation(highest)
+                    "ground below {lowest} m and ground above {highest} m meet at feature {feature} ({from} m): all other contours \
+                     from {lowest} m to {highest} m are missing there",
+                    lowest = grid.elevation(lowest),
+                    highest = grid.elevation(highest)
                 );
                 judged.findings.push(Finding::new(FindingKind::SkippedLevel, place, message).about(feature, from));
             }
@@ -230,7 +228,7 @@ pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged:
     }
 }
 
-/// The edge with the largest rise, in a sub-domain where contours are missing.
+/// The edge with the largest rise across a missing level.
 #[derive(Debug, Clone, Copy)]
 struct Steep {
     rise: f64,
@@ -239,16 +237,18 @@ struct Steep {
     place: DVec2,
 }
 
-/// Reports skipped levels, one finding per sub-domain, unless a line of such a level ends inside it.
+/// Reports skipped levels where the rise across them is largest, unless a line of such a level ends inside the sub-domain.
+/// Levels that are missing between the same two lines of a sub-domain share a finding.
 pub fn report_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], judged: &mut Judged) {
     let Ground { map, tin, regions, .. } = *ground;
-    let mut wanted: BTreeMap<u32, (Vec<i64>, Option<Steep>)> = BTreeMap::new();
+    let mut wanted: BTreeMap<u32, BTreeMap<i64, Option<Steep>>> = BTreeMap::new();
     for (r, span) in spans.iter().enumerate() {
         let ends = &graph.dangling[r];
         let skipped = span.iter().flat_map(|span| span.skipped());
-        let missing: Vec<i64> = skipped.filter(|&y| !ends.iter().any(|(l, _)| *l == Label::On(y))).collect();
+        let missing: BTreeMap<i64, _> =
+            skipped.filter(|&y| !ends.iter().any(|(l, _)| *l == Label::On(y))).map(|y| (y, None)).collect();
         if !missing.is_empty() && !graph.ragged[r] {
-            wanted.insert(r as u32, (missing, None));
+            wanted.insert(r as u32, missing);
         }
     }
     if wanted.is_empty() {
@@ -257,39 +257,51 @@ pub fn report_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &
     let start = line_starts(map);
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let region = regions.of_triangle[t as usize];
-        let Some((_, best)) = wanted.get_mut(&region) else { continue };
+        let Some(missing) = wanted.get_mut(&region) else { continue };
         let Some(span) = spans[region as usize] else { continue };
         let limits = [grid.elevation(span.lo) - 0.1 * grid.step(), grid.elevation(span.hi + 1) + 0.1 * grid.step()];
         for i in 0..3 {
             let [u, v] = tin.edge(t, i);
-            let [a, b] = [u, v].map(|v| tin.heights[v as usize]);
+            let ends = if tin.heights[u as usize] <= tin.heights[v as usize] { [u, v] } else { [v, u] };
+            let [a, b] = ends.map(|v| tin.heights[v as usize]);
             let on_lines = [u, v].iter().all(|&v| tin.kinds[v as usize] == VertexKind::Contour);
-            if !on_lines || a.min(b) < limits[0] || a.max(b) > limits[1] {
+            if !on_lines || a < limits[0] || b > limits[1] {
                 continue;
             }
-            let (rise, distance) = ((a - b).abs(), tin.edge_length(t, i));
-            if best.is_none_or(|s| rise > s.rise || (rise == s.rise && distance < s.distance)) {
-                let place = 0.5 * (tin.positions[u as usize] + tin.positions[v as usize]) + tin.origin;
-                let ends = if a <= b { [u, v] } else { [v, u] };
-                *best = Some(Steep { rise, distance, lines: ends.map(|v| line_at(tin, &start, v)), place });
+            let (rise, distance) = (b - a, tin.edge_length(t, i));
+            for (_, best) in missing.iter_mut().filter(|&(&y, _)| a < grid.elevation(y) && grid.elevation(y) < b) {
+                if best.is_none_or(|s| rise > s.rise || (rise == s.rise && distance < s.distance)) {
+                    let place = 0.5 * (tin.positions[u as usize] + tin.positions[v as usize]) + tin.origin;
+                    *best = Some(Steep { rise, distance, lines: ends.map(|v| line_at(tin, &start, v)), place });
+                }
             }
         }
     }
-    for (region, (missing, steep)) in wanted {
-        let levels: Vec<String> = missing.iter().map(|&y| format!("{} m", grid.elevation(y))).collect();
-        let fallback = || tin.corners(regions.regions[region as usize].triangle)[0] + tin.origin;
-        let lines: Vec<_> =
-            steep.iter().flat_map(|s| s.lines).flatten().map(|line| &map.contours[line as usize]).collect();
-        let neighbours = match lines[..] {
-            [a, b] => format!("contours {} m and {} m are neighbours", a.elevation, b.elevation),
-            _ => "the contours here skip a level".to_owned(),
-        };
-        let message = format!(
-            "{neighbours}: the contour {} between them is missing, or one of the two has a wrong elevation",
-            levels.join(", ")
-        );
-        let finding = Finding::at(FindingKind::SkippedLevel, steep.map_or_else(fallback, |s| s.place), message);
-        judged.findings.push(lines.into_iter().fold(finding, |f, line| f.about(line.feature, line.elevation)));
+    for (region, missing) in wanted {
+        let mut by_lines: BTreeMap<Option<[Option<u32>; 2]>, (Option<Steep>, Vec<String>)> = BTreeMap::new();
+        for (level, steep) in missing {
+            let (_, levels) = by_lines.entry(steep.map(|s| s.lines)).or_insert((steep, Vec::new()));
+            levels.push(format!("{} m", grid.elevation(level)));
+        }
+        for (steep, levels) in by_lines.into_values() {
+            let lines: Vec<_> =
+                steep.iter().flat_map(|s| s.lines).flatten().map(|line| &map.contours[line as usize]).collect();
+            let levels = levels.join(", ");
+            let message = match lines[..] {
+                [a, b] => format!(
+                    "contours {} m and {} m are neighbours: the contour {levels} between them is missing, or one of the two \
+                     has a wrong elevation",
+                    a.elevation, b.elevation
+                ),
+                _ => format!(
+                    "the contours here skip a level: the contour {levels} is missing, or one has a wrong elevation"
+                ),
+            };
+            let place = steep
+                .map_or_else(|| tin.corners(regions.regions[region as usize].triangle)[0] + tin.origin, |s| s.place);
+            let finding = Finding::at(FindingKind::SkippedLevel, place, message);
+            judged.findings.push(lines.into_iter().fold(finding, |f, line| f.about(line.feature, line.elevation)));
+        }
     }
 }
 

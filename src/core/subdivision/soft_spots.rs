@@ -43,7 +43,9 @@ impl Subdivision {
                 let message = match region.water {
                     Some(level) => format!("spot height {z} m ± {sigma} m lies in water of {level} m; it is left out"),
                     None => {
-                        format!("spot height {z} m ± {sigma} m lies between contours {lo} m and {hi} m; it is left out")
+                        format!(
+                            "spot height {z} m ± {sigma} m lies between the levels {lo} m and {hi} m; it is left out"
+                        )
                     }
                 };
                 let finding = Finding::at(FindingKind::SpotOutsideBand, spot.place.truncate(), message);

@@ -27,7 +27,7 @@ pub(super) fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions
                 let (lo, hi) = (region.band.lo, region.band.hi);
                 let message = match region.water {
                     Some(level) => format!("spot height {} m lies in water of {level} m; it is left out", p.z),
-                    None => format!("spot height {} m lies between contours {lo} m and {hi} m; it is left out", p.z),
+                    None => format!("spot height {} m lies between the levels {lo} m and {hi} m; it is left out", p.z),
                 };
                 let finding = Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message);
                 outside.push((spot, finding.of_elevations([p.z])));

@@ -154,7 +154,7 @@ pub(crate) fn lake_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2, 
     } else {
         let Band { lo, hi } = band;
         format!(
-            "the lake of feature {feature} has the height {shown} m and lies between contours {lo} m and {hi} m; it is left out"
+            "the lake of feature {feature} has the height {shown} m and lies between the levels {lo} m and {hi} m; it is left out"
         )
     };
     Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)
