@@ -147,7 +147,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     }
 
     job.report(&terrain.findings, &terrain.surface.map);
-    summary::surface(&terrain.surface, console);
+    summary::surface(&terrain.surface, &terrain.findings, console);
     pits.iter().for_each(|pits| summary::pits(pits, "height map", console));
     maps.iter().take(1).filter_map(|map| map.map.base.as_ref()).for_each(|base| base::describe(base, console));
     outputs.into_iter().zip(&maps).try_for_each(|(output, map)| output.commit(map, console))?;

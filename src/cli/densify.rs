@@ -223,7 +223,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let findings = std::mem::take(&mut terrain.findings);
     job.report(&findings, &terrain.surface.map);
     if has_surface {
-        summary::surface(&terrain.surface, console);
+        summary::surface(&terrain.surface, &terrain.findings, console);
     } else {
         console.say("surface    none: the input has contours at all levels that are asked for");
     }

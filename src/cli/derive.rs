@@ -324,7 +324,7 @@ impl DeriveArgs {
         };
         let mut terrain = build(&mut input, &self.surface, &options, console)?;
         self.input.map.describe(&terrain.surface.map, console);
-        summary::surface(&terrain.surface, console);
+        summary::surface(&terrain.surface, &terrain.findings, console);
         let map = terrain.height_map(&grid, console)?.collect(&mut terrain.findings);
         map.base.iter().for_each(|base| base::describe(base, console));
         Ok(SourceDem {

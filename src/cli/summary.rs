@@ -89,7 +89,7 @@ pub fn close_severities(findings: &[Finding], outside: usize, console: &Console)
 }
 
 /// Prints how the surface was made and how good it is. What it consists of is a detail.
-pub fn surface(surface: &Surface, console: &Console) {
+pub fn surface(surface: &Surface, findings: &[Finding], console: &Console) {
     console.note_surface(surface);
     let how = match &surface.chosen {
         None => "",
@@ -131,7 +131,7 @@ pub fn surface(surface: &Surface, console: &Console) {
     }
     break_lines(&surface.break_lines, console);
     if let Some(chosen) = &surface.chosen {
-        accuracy(chosen, console);
+        accuracy(chosen, findings, console);
     }
     if let Some(errors) = &surface.errors {
         let model = &errors.model;
@@ -226,8 +226,18 @@ fn hyper_parameters(chosen: &Chosen, console: &Console) {
     console.detail(&format!("           tension {tension:.2}{others}, {why}{smoothed}"));
 }
 
-/// Prints the expected accuracy of the smooth surface.
-fn accuracy(chosen: &Chosen, console: &Console) {
+/// Whether a finding tells of a contour that is missing, or whose elevation is wrong and used all the same.
+fn is_wrong_height(finding: &Finding) -> bool {
+    match finding.kind {
+        FindingKind::WrongLabel | FindingKind::MixedUnits | FindingKind::LevelJump | FindingKind::SkippedLevel => true,
+        // Without a proposal, the contour was left out.
+        FindingKind::ZeroElevation => finding.proposal.is_some(),
+        _ => false,
+    }
+}
+
+/// Prints the expected accuracy of the smooth surface. Hidden contours show none of the errors that findings tell of.
+fn accuracy(chosen: &Chosen, findings: &[Finding], console: &Console) {
     let units = console.units();
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
@@ -235,6 +245,11 @@ fn accuracy(chosen: &Chosen, console: &Console) {
         units.rough_height(implied.rmse),
         units.rough_height(implied.le90)
     ));
+    let wrong = findings.iter().filter(|finding| is_wrong_height(finding)).count();
+    if wrong > 0 {
+        let say = if wrong == 1 { "finding says" } else { "findings say" };
+        console.say(&format!("           more where an elevation is wrong or a contour is missing: {wrong} {say} so"));
+    }
     console.detail(&format!(
         "           from {} places on hidden contours: RMSE {}, LE90 {} with contours {} apart; these are {} apart",
         hidden.count,

@@ -216,6 +216,9 @@ impl Cells {
         let grid = Grid::on_multiples(lo, hi, cell);
         let (first, last) = (grid.place(DVec2::new(lo.x, hi.y)).ceil(), grid.place(DVec2::new(hi.x, lo.y)).floor());
         if first.cmpgt(last).any() {
+            if lo.cmpeq(hi).any() {
+                return Err(Error::NoArea);
+            }
             let [width, height] = (hi - lo).to_array();
             return Err(Error::CellTooLarge { cell, width, height, in_degrees });
         }

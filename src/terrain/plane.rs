@@ -1,9 +1,10 @@
 //! The system and the unit of the contours' coordinates, and their reprojection to the working plane.
 
+use glam::DVec2;
 use tokosen_core::base::ElevationUnit;
 use tokosen_core::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
 use tokosen_core::contour::{ContourMap, reproject};
-use tokosen_core::crs::{Crs, CrsKind, Reprojection, working_crs};
+use tokosen_core::crs::{Crs, CrsKind, Reprojection, label, look_swapped, working_crs};
 use tokosen_core::raster::other_unit;
 
 /// The map with the system that the caller names.
@@ -104,6 +105,18 @@ pub(super) fn on_plane(
     if work.is_some() && (map.crs.is_none() || plane.is_some()) {
         return Err(Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs });
     }
+    if let (Some(crs), Some(middle)) = (&map.crs, middle(&map))
+        && look_swapped(crs, middle)
+    {
+        if crs.is_geographic() {
+            return Err(Error::AxesSwapped { crs: label(crs) });
+        }
+        let message = format!(
+            "the coordinates lie far from where {} is in use, and would not if x and y were swapped: x is east, y is north",
+            label(crs)
+        );
+        findings.push(Finding::at(FindingKind::AxesSwapped, middle, message));
+    }
     let working = match (work, &map.crs) {
         (Some(work), _) => work.with_heights_in(ElevationUnit::Metre),
         (None, Some(crs)) if kind.is_some() || crs.local_in_metres().is_some() => {
@@ -120,6 +133,17 @@ pub(super) fn on_plane(
         finding.place = finding.place.and_then(|p| reprojection.on_plane(p));
     }
     Ok((map, reprojection))
+}
+
+/// The medians of x and of y of the lines' middle vertices: a few wrong lines do not move them.
+fn middle(map: &ContourMap) -> Option<DVec2> {
+    let places =
+        || map.contours.iter().filter_map(|line| line.points.get(line.points.len() / 2)).filter(|p| p.is_finite());
+    let median = |mut numbers: Vec<f64>| {
+        let at = numbers.len() / 2;
+        (at < numbers.len()).then(|| *numbers.select_nth_unstable_by(at, f64::total_cmp).1)
+    };
+    Some(DVec2::new(median(places().map(|p| p.x).collect())?, median(places().map(|p| p.y).collect())?))
 }
 
 #[cfg(test)]

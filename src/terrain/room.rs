@@ -6,6 +6,7 @@ use glam::DVec2;
 use super::grid::{Cells, GridSpec};
 use super::input::Input;
 use tokosen_core::base::error::{Error, Result};
+use tokosen_core::check::far_lines;
 use tokosen_core::clean::is_place;
 use tokosen_core::subdomains::FrameRing;
 
@@ -23,7 +24,14 @@ impl Input {
         // Other errors come from the steps that they belong to.
         let Ok(cells) = grid.over(&self.reprojection) else { return Ok(()) };
         let checked = check(&cells, self.covered(0.0), memory);
-        if checked.is_ok() || check(&cells, self.covered(ASTRAY), memory).is_ok() { Ok(()) } else { checked }
+        if checked.is_ok() || check(&cells, self.covered(ASTRAY), memory).is_ok() {
+            return Ok(());
+        }
+        checked.map_err(|error| {
+            let mut far = far_lines(&self.map);
+            far.iter_mut().for_each(|finding| finding.message = self.units().message(&finding.message));
+            error.because_of_far_lines(&far)
+        })
     }
 
     /// The ground that a height map covers at least, without a share of the vertices at each side of the map.

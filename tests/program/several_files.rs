@@ -57,6 +57,15 @@ fn lines_of_sheets_are_joined_at_their_edge() {
 }
 
 #[test]
+fn a_sheet_in_a_wrong_system_is_the_reason_why_a_height_map_is_too_large() {
+    let folder = sheets();
+    // The same coordinates in zone XVIII, 1,800 km away.
+    put(&folder.path("wrong.gpkg"), &ContourMap { crs: Some(Crs::from_epsg(6686)), ..half(false) }, "contours");
+    let said = folder.ends("dem sheets/east.shp wrong.gpkg --cell 1 -o dem.tif", 2);
+    assert!(said.contains("lines (6 of file 1) lie") && said.contains("they are in another zone"), "{said}");
+}
+
+#[test]
 fn a_sheet_in_another_system_is_transformed_and_told() {
     let folder = sheets();
     let to = Crs::from_epsg(6668);

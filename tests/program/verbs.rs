@@ -786,7 +786,7 @@ fn water_that_cannot_be_used() {
     folder.put("w.geojson", lakes(&[(r#""elev":55"#, ring(5.0))]));
     let (_, messages) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --water w.geojson");
     assert!(
-        messages.contains("lakes left out: 1") && messages.contains("between contours 30 m and 40 m"),
+        messages.contains("lakes left out: 1") && messages.contains("between the levels 30 m and 40 m"),
         "{messages}"
     );
     let output = folder.run("dem hill.geojson --cell 5 -o e.tif --strict --water w.geojson");

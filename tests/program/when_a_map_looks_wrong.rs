@@ -111,7 +111,12 @@ fn faults_get_the_codes_that_the_page_names() {
     let mut open = hill();
     open[2].1.as_array_mut().unwrap().pop();
     open[2].1.as_array_mut().unwrap().pop();
+    let mut swapped = hill();
+    for place in swapped.iter_mut().flat_map(|(_, points)| points.as_array_mut().unwrap()) {
+        place.as_array_mut().unwrap().reverse();
+    }
     for (code, map) in [
+        ("axes-swapped", swapped),
         ("skipped-level", without_one),
         ("far-away", far),
         ("zero-elevation", placeholder),

@@ -293,7 +293,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     };
 
     job.report(&terrain.findings, &terrain.surface.map);
-    summary::surface(&terrain.surface, console);
+    summary::surface(&terrain.surface, &terrain.findings, console);
     written.commit(form, staged, console)?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

@@ -24,7 +24,7 @@ pub use correction::{Correction, Judged, correct};
 pub(crate) use depressions::contradicted_marks;
 pub(crate) use ground::Ground;
 pub(crate) use lakes::possible_lakes;
-pub use lines::{LineParams, examine, merged};
+pub use lines::{LineParams, examine, far_lines, merged};
 pub use placeholders::{Placeholders, placeholder_heights, placeholders};
 pub(crate) use sea::possible_sea;
 

@@ -5,6 +5,7 @@
 //! feet, also for the plane of a drawing of which the unit alone is known ([`Crs::of_plane`]). [`Transform`] goes there
 //! and back, and [`Reprojection`] keeps the original coordinates of the input's vertices, bit for bit.
 
+mod axes;
 mod definition;
 mod esri;
 mod height_system;
@@ -22,6 +23,8 @@ mod vertical;
 mod wkt;
 mod working;
 
+#[doc(hidden)]
+pub use axes::look_swapped;
 #[doc(hidden)]
 pub use definition::label;
 #[doc(hidden)]

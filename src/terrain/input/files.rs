@@ -78,7 +78,7 @@ impl Input {
             let mut about = Vec::new();
             let SpotHeights { points, sigmas, crs, unit_hint, stated_unit } =
                 read_spot_heights(path, &self.reading(source))?.collect(&mut about);
-            self.take_findings(about, crs.as_ref()).map_err(|error| error.in_file(path))?;
+            self.take_findings(path, about, crs.as_ref())?;
             if let Some(system) = crs.as_ref().and_then(Crs::height_system) {
                 self.note_heights(&path.display(), Some(&system));
             }
@@ -97,7 +97,7 @@ impl Input {
         let path = &source.path;
         let Report { value, findings } = read_features(role, path, &self.reading(source))?;
         let FileFeatures { features, crs, unit } = value;
-        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.take_findings(path, findings, crs.as_ref())?;
         // Most features have no heights, and name no system.
         if let Some(system) = crs.as_ref().and_then(Crs::height_system) {
             self.note_heights(&path.display(), Some(&system));
@@ -106,10 +106,11 @@ impl Input {
         self.add_from(&path.display().to_string(), features, crs.as_ref(), signs).map_err(|error| error.in_file(path))
     }
 
-    /// Adds findings about a file in some coordinate reference system.
-    fn take_findings(&mut self, mut findings: Vec<Finding>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.reprojection.bring(crs)?;
+    /// Adds findings about a file beside the contours, in some coordinate reference system.
+    fn take_findings(&mut self, path: &Path, mut findings: Vec<Finding>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs).map_err(|error| error.in_file(path))?;
         for finding in &mut findings {
+            finding.message = beside_contours(path, finding);
             let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
             finding.place = place.map(|p| p.truncate());
         }
@@ -125,17 +126,8 @@ impl Input {
         let Report { value: DemFile { dem, height_system, .. }, findings } =
             step(progress, "reading", || read_dem(path))?;
         self.note_heights(&path.display(), height_system.as_ref());
-        let name = path.display();
         for finding in findings {
-            let system = match finding.kind {
-                FindingKind::UnknownCrs => "; it is taken to be in that of the contours",
-                _ => "",
-            };
-            self.findings.push(Finding {
-                message: format!("{name}: {}{system}", finding.message),
-                place: None,
-                ..finding
-            });
+            self.findings.push(Finding { message: beside_contours(path, &finding), place: None, ..finding });
         }
         self.set_base(dem, path)
     }
@@ -165,4 +157,13 @@ impl Input {
         let Self { memory, asked_unit: unit, depths, .. } = *self;
         ReadOptions { memory, unit, depths, ..source.reading() }
     }
+}
+
+/// The message of a finding about a file that is read beside the contours.
+fn beside_contours(path: &Path, finding: &Finding) -> String {
+    let system = match finding.kind {
+        FindingKind::UnknownCrs => "; it is taken to be in that of the contours",
+        _ => "",
+    };
+    format!("{}: {}{system}", path.display(), finding.message)
 }

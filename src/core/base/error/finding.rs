@@ -94,6 +94,8 @@ kinds! {
     FarAway = "far-away", Error, "lines far from all others";
     /// The file leaves open which coordinate comes first, or many programs write it otherwise than its name says.
     AxisOrder = "axis-order", Note, "order of coordinates not certain";
+    /// The coordinates fit their coordinate reference system with x and y the other way round.
+    AxesSwapped = "axes-swapped", Warning, "coordinates whose x and y look swapped";
     /// The same point twice or more in a row; one was kept.
     RepeatedPoint = "repeated-point", Note, "repeated points";
     /// A line with fewer than two different points; left out.

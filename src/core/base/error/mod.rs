@@ -141,6 +141,14 @@ pub enum Error {
         /// Name of the system in which it cannot be expressed.
         to: String,
     },
+    /// Degrees whose latitudes lie beyond the pole, and would not if the two coordinates changed places.
+    #[error(
+        "the coordinates are not longitude and latitude of {crs}, but look like latitude and longitude: swap x and y"
+    )]
+    AxesSwapped {
+        /// Name of the system that they are in.
+        crs: String,
+    },
     /// A parameter is out of its range.
     #[error("the {name} is {value}{unit}, it must be {must}")]
     OutOfRange {

@@ -3,6 +3,8 @@
 //! A wrong digit in a coordinate moves one vertex far out. A wrong zone, or degrees among metres, moves whole lines.
 //! These lines are found by splitting the map at the widest gaps between its lines, along x and along y.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -202,8 +204,11 @@ fn finding(map: &ContourMap, part: &SplitOff, around: &Box2, body: &Box2, kind: 
     } else {
         (FindingKind::FarAway, "they are in another zone, or their coordinates have an error")
     };
+    let files: BTreeSet<u32> = part.lines.iter().filter_map(|i| line(i).feature.file()).collect();
+    let of_file =
+        if let [file] = *files.iter().collect::<Vec<_>>() { format!(" of file {file}") } else { String::new() };
     let message = format!(
-        "lines ({}) lie {:.3} map units away from all others, which lie within {:.3} map units: {why}",
+        "lines ({}{of_file}) lie {:.3} map units away from all others, which lie within {:.3} map units: {why}",
         part.lines.len(),
         part.gap,
         body.diagonal()

@@ -57,6 +57,11 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
     judged
 }
 
+/// The lines and vertices that lie far from all others, and coordinates that look like degrees.
+pub fn far_lines(map: &ContourMap) -> Vec<Finding> {
+    far::find(map, &shape::of_map(map))
+}
+
 /// Joins the findings about the lines with those of cleaning, each fault once. Two levels that meet where an elevation
 /// jumps are reported with the jump. A vertex that cleaning left out, because its line strays across another, is
 /// reported by cleaning only. Positions within `reach` (map units) count as one.
