@@ -49,7 +49,7 @@
 //! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |
 //! | [`dem::compare::compare`] | two height maps on one grid | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
 //! | [`dem::compare::difference`] | two height maps on one grid | a [`Dem`](raster::Dem) of their differences |
-//! | [`draw::report::remarks`], [`draw::report::comparison_page`] | a comparison | sentences, and a report in HTML |
+//! | [`draw::report::remarks`], [`draw::report::comparison_page`], [`draw::report::comparison_sheet`] | a comparison | sentences, a report in HTML, and a map on paper |
 //! | [`crs::Reprojection::from_working`] | a coordinate reference system | the conversion of lines and areas to it |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!

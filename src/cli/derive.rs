@@ -68,7 +68,7 @@ pub struct DeriveArgs {
     /// .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     aspect: Option<PathBuf>,
-    /// Hillshade, 1 to 255: .png (8-bit grey), .tif, .exr, .asc or .xyz
+    /// Hillshade, 1 to 255: .png (8-bit grey), .tif (8 bits), .exr, .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     hillshade: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]

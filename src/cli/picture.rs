@@ -1,12 +1,13 @@
 //! The arguments about pictures: `--preview`, and what a map on paper looks like.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::{Arg, Args};
 use image::RgbImage;
 use tokosen::base::error::Error;
 use tokosen::draw::Scene;
-use tokosen::draw::paper::{Fonts, Page, Paper};
+use tokosen::draw::paper::{Fonts, Page, Paper, Sheet};
 use tokosen::io::StagedOutput;
 use tokosen::io::fonts::{font_files, read_font};
 use tokosen::io::raster::write_picture;
@@ -37,7 +38,7 @@ pub struct PictureArgs {
     /// Font for letters of the title and the source that the usual one does not have, such as Japanese ones: .ttf, .otf or
     /// .ttc [default: one of the system]
     #[arg(long, value_name = "FILE", requires = "preview", hide_short_help = true)]
-    font: Option<PathBuf>,
+    pub font: Option<PathBuf>,
 }
 
 /// The picture that a run is asked for.
@@ -49,6 +50,8 @@ pub enum Asked<'a> {
     Map(&'a PictureArgs),
     /// A map whose lines are written for its scale.
     MapOfLines(&'a PictureArgs),
+    /// A map of differences, on paper alone, with the names of two files.
+    Differences(&'a PictureArgs, [&'a Path; 2]),
     /// A model in space, in this file.
     Model(Option<&'a Path>),
 }
@@ -58,7 +61,7 @@ impl<'a> Asked<'a> {
     pub fn file(self) -> Option<&'a Path> {
         match self {
             Self::Nothing => None,
-            Self::Map(args) | Self::MapOfLines(args) => args.preview.as_deref(),
+            Self::Map(args) | Self::MapOfLines(args) | Self::Differences(args, _) => args.preview.as_deref(),
             Self::Model(path) => path,
         }
     }
@@ -66,7 +69,7 @@ impl<'a> Asked<'a> {
     /// The file that is read.
     pub fn font(self) -> Option<&'a Path> {
         match self {
-            Self::Map(args) | Self::MapOfLines(args) => args.font.as_deref(),
+            Self::Map(args) | Self::MapOfLines(args) | Self::Differences(args, _) => args.font.as_deref(),
             Self::Nothing | Self::Model(_) => None,
         }
     }
@@ -75,9 +78,14 @@ impl<'a> Asked<'a> {
     pub fn open(self, flags: &Flags) -> Result<Option<Picture>, Failure> {
         let Some(path) = self.file() else { return Ok(None) };
         match self {
-            Self::Map(args) => return args.open(path, flags, &ABOUT_PAPER).map(Some),
+            Self::Map(args) => return args.open(path, flags, &ABOUT_PAPER, "").map(Some),
+            Self::Differences(args, files) => {
+                check_extension(path, "maps of differences", &["pdf", "svg"])?;
+                let names = files.iter().filter_map(|file| file.file_name()).map(OsStr::to_string_lossy);
+                return args.open(path, flags, &ABOUT_PAPER, &names.collect::<String>()).map(Some);
+            }
             // The scale is that of the lines too.
-            Self::MapOfLines(args) => return args.open(path, flags, &ABOUT_PAPER[1..]).map(Some),
+            Self::MapOfLines(args) => return args.open(path, flags, &ABOUT_PAPER[1..], "").map(Some),
             Self::Nothing | Self::Model(_) => {}
         }
         check_extension(path, "pictures", &["png"])?;
@@ -96,6 +104,8 @@ impl<'a> Asked<'a> {
 pub enum Drawing<'a> {
     /// A map.
     Map(Scene<'a>),
+    /// A map that is on paper only.
+    Sheet(&'a dyn Fn(&Page, &Fonts) -> Result<Sheet, Error>),
     /// A picture that is ready.
     Image(RgbImage),
 }
@@ -118,8 +128,9 @@ fn scale(text: &str) -> Result<f64, String> {
 }
 
 impl PictureArgs {
-    /// Opens the picture in a file. `of_paper` are the flags that apply to paper alone.
-    fn open(&self, path: &Path, flags: &Flags, of_paper: &[&'static str]) -> Result<Picture, Failure> {
+    /// Opens the picture in a file. `of_paper` are the flags that apply to paper alone, and `names` what stands on it beside the
+    /// title and the source.
+    fn open(&self, path: &Path, flags: &Flags, of_paper: &[&'static str], names: &str) -> Result<Picture, Failure> {
         check_extension(path, "pictures", &["png", "pdf", "svg"])?;
         let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
         let kind = match () {
@@ -130,16 +141,17 @@ impl PictureArgs {
         if let Some(flag) = flags.first(of_paper).filter(|_| kind == Kind::Png) {
             return Err(Failure::Usage(format!("{flag} applies to maps on paper: --preview FILE.pdf or FILE.svg")));
         }
-        let fonts = if kind == Kind::Png { Fonts::default() } else { self.fonts()? };
+        let fonts = if kind == Kind::Png { Fonts::default() } else { self.fonts(names)? };
         let page =
             Page { paper: self.paper, scale: self.scale, title: self.title.clone(), source: self.source.clone() };
         Ok(Picture { staged: StagedOutput::create(path)?, kind, page, fonts, about: String::new() })
     }
 
-    /// The fonts that have all letters of the title and the source.
-    fn fonts(&self) -> Result<Fonts, Failure> {
+    /// The fonts that have all letters of the title, the source and these names.
+    fn fonts(&self, names: &str) -> Result<Fonts, Failure> {
         let usual = Fonts::default();
-        let texts: String = [&self.title, &self.source].into_iter().flatten().map(String::as_str).collect();
+        let texts: String =
+            [&self.title, &self.source].into_iter().flatten().map(String::as_str).chain([names]).collect();
         if let Some(path) = &self.font {
             let fonts = usual.with(read_font(path)?).map_err(|error| error.in_file(path))?;
             return match fonts.lacks(&texts) {
@@ -186,14 +198,14 @@ impl Picture {
     /// Writes the file, and returns what is said about it.
     fn write(&self, drawing: &Drawing<'_>) -> Result<String, Error> {
         let path = self.staged.path();
-        let scene = match drawing {
+        let sheet = match drawing {
             Drawing::Image(image) => return write_picture(&path, image).map(|()| String::new()),
             Drawing::Map(scene) if self.kind == Kind::Png => {
                 return write_picture(&path, &scene.image()?).map(|()| String::new());
             }
-            Drawing::Map(scene) => scene,
+            Drawing::Map(scene) => scene.sheet(&self.page, &self.fonts)?,
+            Drawing::Sheet(sheet) => sheet(&self.page, &self.fonts)?,
         };
-        let sheet = scene.sheet(&self.page, &self.fonts)?;
         let bytes = match self.kind {
             Kind::Svg => sheet.svg(&self.fonts)?.into_bytes(),
             _ => sheet.pdf(&self.fonts)?,

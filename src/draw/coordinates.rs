@@ -6,6 +6,7 @@
 use glam::DVec2;
 
 use super::scale::{self, number};
+use tokosen_core::crs::Crs;
 
 /// Neighbouring labels are at least this far apart, pixels.
 const APART: f64 = 150.0;
@@ -28,6 +29,17 @@ pub(super) enum Notation {
     Plane,
     /// Degrees, minutes and seconds of longitude and latitude.
     Degrees,
+}
+
+impl Notation {
+    /// That of the coordinates of a system.
+    pub fn of(crs: Option<&Crs>) -> Self {
+        match crs {
+            Some(crs) if crs.is_geographic() => Self::Degrees,
+            Some(_) => Self::Plane,
+            None => Self::Plain,
+        }
+    }
 }
 
 /// A coordinate on an edge.

@@ -90,7 +90,7 @@ pub use prepare::{all_right, is_repair};
 pub use profile::read_profile;
 pub use profile::{Profile, ProfileParams, ProfilePoint, ProfileRun, profile};
 #[cfg(feature = "draw")]
-pub use report::{page, sentences};
+pub use report::{difference_map, page, sentences};
 pub use sample::Sample;
 pub use tokosen_core::arrays::{RaggedLines, TriangleArrays};
 pub use volume::{VolumeSides, heights_of};

@@ -6,7 +6,8 @@ use tokosen_core::base::error::Result;
 use tokosen_core::crs::HeightSystem;
 use tokosen_core::dem::compare::{Comparison, Trend};
 use tokosen_core::raster::InUnit;
-use tokosen_draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
+use tokosen_draw::paper::{Fonts, Page, Sheet};
+use tokosen_draw::report::{ComparisonPage, HeightSource, comparison_page, comparison_sheet, remarks};
 
 /// Sentences about how the sides were brought onto one grid and what the figures mean.
 pub fn sentences(pair: &Pair, found: &Comparison) -> Vec<String> {
@@ -40,8 +41,27 @@ fn about_trend(pair: &Pair, found: &Comparison, trend: &Trend) -> String {
 /// # Errors
 /// As [`comparison_page`].
 pub fn page(pair: &Pair, found: &Comparison) -> Result<String> {
+    shown(pair, found, |page| comparison_page(page))
+}
+
+/// The map of the differences on paper, with the figures and the names of the files.
+///
+/// # Errors
+/// As [`comparison_sheet`].
+pub fn difference_map(pair: &Pair, found: &Comparison, page: &Page, fonts: &Fonts) -> Result<Sheet> {
+    let [a_name, b_name] = [&pair.a, &pair.b].map(|side| {
+        let file = &side.source.file;
+        file.file_name().unwrap_or(file.as_os_str()).to_string_lossy()
+    });
+    shown(pair, found, |shown| {
+        comparison_sheet(&ComparisonPage { a_name: &a_name, b_name: &b_name, ..*shown }, page, fonts)
+    })
+}
+
+/// What a page or a sheet shows, in the unit of the figures.
+fn shown<T>(pair: &Pair, found: &Comparison, draw: impl FnOnce(&ComparisonPage<'_>) -> Result<T>) -> Result<T> {
     let [a, b] = [&pair.a_heights, &pair.b_heights].map(|heights| InUnit::of(heights, found.unit));
-    comparison_page(&ComparisonPage {
+    draw(&ComparisonPage {
         a_name: &pair.a.source.title(),
         b_name: &pair.b.source.title(),
         sources: height_sources(pair),

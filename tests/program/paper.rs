@@ -6,6 +6,7 @@ use std::fs;
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
+use serde_json::Value;
 
 use crate::running::{Running, folder_with, folder_with_part};
 
@@ -116,4 +117,27 @@ fn what_does_not_fit_is_said_with_what_does() {
     assert!(no_font.contains("map.geojson: is no TrueType or OpenType font"), "{no_font}");
     let too_large = said("--preview look.pdf --scale 1 --plane-unit m");
     assert!(too_large.contains("too large for A0: take 1:"), "{too_large}");
+}
+
+#[test]
+fn a_map_of_differences_has_its_scale_and_its_figures() {
+    let folder = folder_with_part("in.gpkg");
+    folder.succeeds(&format!("dem in.gpkg --cell 50 -o a.tif {}", PART.replace("linear", "skeleton")));
+    folder.succeeds(&format!("dem in.gpkg --cell 50 -o b.tif {PART}"));
+    let said = folder.succeeds("compare a.tif b.tif --preview map.svg --scale 12500 --source USGS");
+    assert!(said.contains("map.svg (297 x 210 mm, 1:12500)"), "{said}");
+    let svg = fs::read_to_string(folder.path("map.svg")).unwrap();
+    let figures: Value = serde_json::from_str(&folder.succeeds("compare a.tif b.tif --json")).unwrap();
+    let rmse = figures["overall"]["rmse"].as_f64().unwrap();
+    let shown = svg.split("RMSE ").nth(1).and_then(|text| text.split(' ').next()).unwrap().parse::<f64>().unwrap();
+    assert!((shown - rmse).abs() <= 0.01 * rmse.max(0.5), "{shown} {rmse}");
+    for text in [">Heights compared: A − B</text>", ">A: a.tif  ·  B: b.tif</text>", ">1:12 500</text>", ">USGS</text>"]
+    {
+        assert!(svg.contains(text), "{text}");
+    }
+    folder.succeeds("compare a.tif b.tif --preview map.pdf --title Change");
+    let pdf = fs::read(folder.path("map.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF") && streams(&pdf).len() > 2);
+    let refused = folder.ends("compare a.tif b.tif --preview map.png", 2);
+    assert!(refused.contains("maps of differences are written as .pdf, .svg"), "{refused}");
 }

@@ -7,6 +7,7 @@ use tokosen::io::VectorSource;
 
 use crate::cli::height_map::GridArgs;
 use crate::cli::input::InputArgs;
+use crate::cli::picture::PictureArgs;
 use crate::cli::source::source;
 use crate::cli::surface::SurfaceArgs;
 use crate::cli::vertical_shift::ShiftArgs;
@@ -22,6 +23,8 @@ use crate::cli::vertical_shift::ShiftArgs;
     "What is compared: a height map (.tif, .asc, .exr, .png, .xyz, LandXML triangles) or contour lines (.gpkg, .geojson, .shp, .fgb, .parquet, .dxf, .kml, .gml, .csv and others), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("cell", |arg| arg.help("Cell size of the height map [units of the working CRS]; cells lie on multiples of it")))]
+#[command(mut_arg("preview", |arg| arg.help(
+    "Also draw the map of the differences with its figures on paper, with lines and text as vectors: .pdf or .svg")))]
 #[command(mut_arg("points", |arg| arg.help(
     "Check points: points with an elevation, with which A and B are compared too")))]
 pub struct CompareArgs {
@@ -51,6 +54,8 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub page: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
+    pub picture: PictureArgs,
+    #[command(flatten, next_help_heading = "Output")]
     pub grid: GridArgs,
     #[command(flatten, next_help_heading = "Input")]
     pub shift: ShiftArgs,
@@ -63,6 +68,7 @@ Examples:
   tokosen compare contours.gpkg published_dem.tif --report compare.html
   tokosen compare mine.tif published_dem.tif --sigma 5 -o difference.tif
   tokosen compare contours.gpkg published_dem.tif --page differences.html
+  tokosen compare contours.gpkg published_dem.tif --preview differences.pdf --scale 1:25000
   tokosen compare old.gpkg new.gpkg --cell 10 --json
 
 Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same after subtracting the bias; MAE, the

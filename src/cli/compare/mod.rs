@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, Difference};
+use tokosen::draw::paper::{Fonts, Page};
 use tokosen::draw::report::table;
 use tokosen::io::raster::{Quantity, RasterParams, write_rows};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content};
 use tokosen::surface::Uncertainty;
 use tokosen::terrain::{
-    MeasureOptions, Pair, comparison_json, difference_page, measure, page, read_check_points, sentences,
+    MeasureOptions, Pair, comparison_json, difference_map, difference_page, measure, page, read_check_points, sentences,
 };
 
 use side::{ReadSides, Sides};
@@ -25,6 +26,7 @@ use super::extensions::open_raster;
 use super::failure::Failure;
 use super::height_map::ABOUT_GRID;
 use super::input::InputArgs;
+use super::picture::{Asked, Drawing};
 use super::surface::about_surface;
 use super::unit::UnitArg;
 use super::{memory, summary, terrain_page};
@@ -35,6 +37,10 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let staged = args.output.as_deref().map(open_raster).transpose()?;
     let report = args.report.as_deref().map(open_page).transpose()?;
     let page = args.page.as_deref().map(terrain_page::open).transpose()?;
+    let files = args.input.map.files()?;
+    let asked =
+        Asked::Differences(&args.picture, [files.first().map_or(Path::new(""), PathBuf::as_path), &args.b.path]);
+    let mut picture = asked.open(&console.flags)?;
 
     let mut findings = Vec::new();
     let pair = pair(args, contents, &mut findings, console)?;
@@ -63,6 +69,10 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     if let Some(staged) = &report {
         draw(staged, &pair, &found, console)?;
     }
+    if let Some(picture) = &mut picture {
+        let sheet = |page: &Page, fonts: &Fonts| difference_map(&pair, &found, page, fonts);
+        picture.draw(&Drawing::Sheet(&sheet), console)?;
+    }
     if let Some(staged) = &page {
         terrain_page::put(staged, &difference_page(&pair, &found, console)?, console)?;
     }
@@ -78,6 +88,9 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         if !args.json {
             console.say(&format!("written    {}", path.display()));
         }
+    }
+    if let Some(picture) = picture {
+        picture.commit(console)?;
     }
     if !args.json {
         summary::close(findings.len(), console);
@@ -142,10 +155,17 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     }
     let files = args.input.map.files()?;
     let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);
-    let inputs: Vec<&Path> =
-        files.chain(args.grid.like.as_deref()).chain(args.surface.files()).chain(args.shift.file()).collect();
-    let outputs: Vec<PlannedOutput<'_>> =
-        [&args.output, &args.report, &args.page].into_iter().flatten().map(|p| p.as_path().into()).collect();
+    let inputs: Vec<&Path> = files
+        .chain(args.grid.like.as_deref())
+        .chain(args.picture.font.as_deref())
+        .chain(args.surface.files())
+        .chain(args.shift.file())
+        .collect();
+    let outputs: Vec<PlannedOutput<'_>> = [&args.output, &args.report, &args.page, &args.picture.preview]
+        .into_iter()
+        .flatten()
+        .map(|p| p.as_path().into())
+        .collect();
     console.check_paths(&inputs, &outputs)?;
     Ok(contents)
 }

@@ -12,6 +12,7 @@ use crate::preview::plan::Plan;
 use crate::preview::skeleton_lines::Chosen;
 use crate::preview::text::Align;
 use crate::scale::{self, number};
+use tokosen_core::base::ElevationUnit;
 
 /// Sizes of the title, of the scale, of texts, and of the source.
 const TITLE: f64 = 7.0;
@@ -47,25 +48,28 @@ pub(super) struct Content<'a> {
 }
 
 /// A part of the legend: its width, and its shapes from its upper left corner.
-type Block = (f64, Vec<Shape>);
+pub(super) type Block = (f64, Vec<Shape>);
 
 /// The shapes around the map.
 pub(super) fn shapes(content: &Content<'_>, fonts: &Fonts) -> Vec<Shape> {
-    let Content { page, placed, note, .. } = content;
+    let note = content.note.iter().flatten().cloned().collect::<Vec<_>>().join("  ·  ");
+    around(content.page, content.placed, &note, blocks(content, fonts), fonts)
+}
+
+/// The title and a note above a map, and the parts of its legend and the source below.
+pub(super) fn around(page: &Page, placed: &Placed, note: &str, blocks: Vec<Block>, fonts: &Fonts) -> Vec<Shape> {
     let [from, to] = placed.frame;
     let mut out = Vec::new();
     let base = from.y - COORDINATES - 1.5;
-    let note = note.iter().flatten().cloned().collect::<Vec<_>>().join("  ·  ");
     match &page.title {
         Some(title) => {
             // A long title is set smaller.
             let size = TITLE.min((to.x - from.x) / fonts.width(title).max(1e-9));
             out.push(text(title, DVec2::new(from.x, base - 5.0), size, Align::Left));
-            out.push(text(&note, DVec2::new(from.x, base), TEXT, Align::Left));
+            out.push(text(note, DVec2::new(from.x, base), TEXT, Align::Left));
         }
-        None => out.push(text(&note, DVec2::new(from.x, base), TEXT, Align::Left)),
+        None => out.push(text(note, DVec2::new(from.x, base), TEXT, Align::Left)),
     }
-    let blocks = blocks(content, fonts);
     // The legend begins below the corner of the map, or further to the left if it needs the room.
     let [first, last] = [MARGIN + COORDINATES, placed.paper.x - MARGIN - COORDINATES];
     let width = blocks.iter().map(|(width, _)| width + GAP).sum::<f64>() - GAP;
@@ -89,7 +93,7 @@ pub(super) fn shapes(content: &Content<'_>, fonts: &Fonts) -> Vec<Shape> {
 fn blocks(content: &Content<'_>, fonts: &Fonts) -> Vec<Block> {
     let Content { plan, chosen, tint, shown, .. } = content;
     let units = shown.preview.units;
-    let mut blocks = vec![scale_block(content, fonts)];
+    let mut blocks = vec![scale_block(content.placed, units.heights, fonts)];
     let keys = keys(plan, chosen, units);
     for column in keys.chunks(ROWS) {
         let mut shapes = Vec::new();
@@ -117,13 +121,28 @@ fn blocks(content: &Content<'_>, fonts: &Fonts) -> Vec<Block> {
         }
         blocks.push((width, shapes));
     }
-    blocks.extend(tint.filter(|_| present.is_none()).map(|tint| ramp(tint, content)));
+    blocks.extend(tint.filter(|_| present.is_none()).map(|tint| {
+        let (least, most) = tint.range;
+        let range = [least, most].map(|z| units.heights.about(z));
+        let color = |share: f64| tint.of(least + share * (most - least));
+        ramp(&format!("Elevation, {}", units.heights.symbol()), range, color)
+    }));
     blocks
 }
 
-/// The scale as a number and as a bar, and an arrow to grid north.
-fn scale_block(content: &Content<'_>, fonts: &Fonts) -> Block {
-    let Content { placed, shown, .. } = content;
+/// Rows of text below each other, three in a column.
+pub(super) fn columns(rows: &[String], fonts: &Fonts) -> Vec<Block> {
+    let column = |rows: &[String]| {
+        let texts = rows.iter().enumerate();
+        let texts = texts.map(|(k, row)| text(row, DVec2::new(0.0, ROW * k as f64 + TEXT), TEXT, Align::Left));
+        let width = rows.iter().map(|row| fonts.width(row) * TEXT).fold(0.0, f64::max);
+        (width, texts.collect())
+    };
+    rows.chunks(ROWS).map(column).collect()
+}
+
+/// The scale as a number and as a bar, which is in feet where heights are, and an arrow to grid north.
+pub(super) fn scale_block(placed: &Placed, heights: ElevationUnit, fonts: &Fonts) -> Block {
     let mut shapes = arrow();
     let left = 10.0;
     let mut width: f64 = left;
@@ -135,7 +154,7 @@ fn scale_block(content: &Content<'_>, fonts: &Fonts) -> Block {
     let units = placed.unit * BAR_PIXEL;
     let metres = placed.scale.map(|scale| scale / 1000.0 * BAR_PIXEL);
     let across = (placed.frame[1].x - placed.frame[0].x) / BAR_PIXEL;
-    if let Some(bar) = scale::bar(across, metres, units, shown.preview.units.heights) {
+    if let Some(bar) = scale::bar(across, metres, units, heights) {
         let length = bar.pixels * BAR_PIXEL;
         let top = 11.0;
         for k in 0..4 {
@@ -166,17 +185,14 @@ fn arrow() -> Vec<Shape> {
     vec![text("N", DVec2::new(middle, TEXT), TEXT, Align::Center), filled, lines]
 }
 
-/// The tint with round heights below it.
-fn ramp(tint: &Tint, content: &Content<'_>) -> Block {
-    let unit = content.shown.preview.units.heights;
-    let (least, most) = tint.range;
-    let [low, high] = [least, most].map(|z| unit.about(z));
+/// Colours with round numbers below them. `color` gives that of a share of the way from the lowest number to the highest.
+pub(super) fn ramp(title: &str, [low, high]: [f64; 2], color: impl Fn(f64) -> Rgb) -> Block {
     let [width, height] = RAMP;
-    let mut shapes = vec![text(&format!("Elevation, {}", unit.symbol()), DVec2::new(0.0, TEXT), TEXT, Align::Left)];
+    let mut shapes = vec![text(title, DVec2::new(0.0, TEXT), TEXT, Align::Left)];
     let top = ROW;
     for step in 0..STEPS {
         let [from, to] = [step, step + 1].map(|step| width * step as f64 / STEPS as f64);
-        let color = tint.of(least + (step as f64 + 0.5) / STEPS as f64 * (most - least));
+        let color = color((step as f64 + 0.5) / STEPS as f64);
         // Neighbours overlap, so that no light line shows between them.
         let to = (to + 0.1).min(width);
         shapes.push(area(DVec2::new(from, top), DVec2::new(to, top + height), color));

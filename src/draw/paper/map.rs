@@ -38,7 +38,7 @@ const RIM: f64 = 0.3;
 /// Size of the coordinates, and length of their ticks.
 const COORDINATE: [f64; 2] = [2.3, 1.2];
 /// Coordinates are as far apart as on a screen with pixels of this size.
-const TICK_PIXEL: f64 = 0.25;
+pub(super) const TICK_PIXEL: f64 = 0.25;
 
 /// Draws the sheet.
 ///
@@ -161,8 +161,8 @@ fn labels(shown: &Shown<'_>, plan: &plan::Plan, placed: &Placed, fonts: &Fonts) 
     place_labels(&drawn, &params)
 }
 
-/// The frame of the map, with ticks and coordinates.
-fn frame(placed: &Placed, ticks: &Ticks, fonts: &Fonts) -> Vec<Shape> {
+/// The frame of the map, with ticks and coordinates. The pixels of the ticks are [`TICK_PIXEL`] wide.
+pub(super) fn frame(placed: &Placed, ticks: &Ticks, fonts: &Fonts) -> Vec<Shape> {
     let [from, to] = placed.frame;
     let corners = [from, DVec2::new(to.x, from.y), to, DVec2::new(from.x, to.y), from];
     let mut lines = vec![corners.to_vec()];

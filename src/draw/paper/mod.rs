@@ -5,6 +5,7 @@
 //! 3. [`Sheet::pdf`] and [`Sheet::svg`] write the shapes. [`Fonts`] are embedded.
 
 mod compress;
+mod differences;
 mod embed;
 mod fonts;
 mod legend;
@@ -16,6 +17,7 @@ mod shapes;
 mod shown;
 mod svg;
 
+pub(crate) use differences::{DifferenceMap, difference_sheet};
 pub use fonts::Fonts;
 pub(crate) use map::sheet;
 pub use page::{Page, Paper};

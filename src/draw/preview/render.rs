@@ -153,12 +153,7 @@ pub(crate) fn coordinates(input: &Preview<'_>, size: DVec2, pixel: f64, corner: 
     if let Some(reprojection) = drawing(input) {
         return ticks(size, Notation::Plain, |p| reprojection.in_input(on_plane(p)));
     }
-    let notation = match &input.dem.crs {
-        Some(crs) if crs.is_geographic() => Notation::Degrees,
-        Some(_) => Notation::Plane,
-        None => Notation::Plain,
-    };
-    ticks(size, notation, |p| Some(on_plane(p)))
+    ticks(size, Notation::of(input.dem.crs.as_ref()), |p| Some(on_plane(p)))
 }
 
 /// The tint from the lowest to the highest height, with bands between levels if there are some. `None` if there is no height.

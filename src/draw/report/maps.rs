@@ -125,6 +125,11 @@ pub(super) fn shaded(dem: &Dem, metres_per_unit: DVec2) -> Result<String> {
 
 /// The map of reduced differences, coloured from −limit to limit over the relief of `ground`, as a data URI.
 pub(super) fn differences(difference: &Dem, ground: &Dem, limit: f64, metres_per_unit: DVec2) -> Result<String> {
+    data_uri(&difference.grid, &difference_pixels(difference, ground, limit, metres_per_unit))
+}
+
+/// The red, green and blue of this map, cell by cell.
+pub(super) fn difference_pixels(difference: &Dem, ground: &Dem, limit: f64, metres_per_unit: DVec2) -> Vec<u8> {
     let params = ShadeParams { metres_per_unit, ..ShadeParams::soft() };
     let level = params.level();
     let light = hillshade(ground, &params);
@@ -135,7 +140,7 @@ pub(super) fn differences(difference: &Dem, ground: &Dem, limit: f64, metres_per
         let relief = if light.is_nan() { 1.0 } else { 1.0 - RELIEF * (1.0 - f64::from(light) / level) };
         color(f64::from(d) / limit).map(|c| (f64::from(c) * relief).round().clamp(0.0, 255.0) as u8)
     });
-    data_uri(&difference.grid, &pixels.collect::<Vec<u8>>())
+    pixels.collect()
 }
 
 /// The colour of a share of the limit, −1 to 1.

@@ -7,6 +7,7 @@ mod charts;
 mod maps;
 mod page;
 mod profile;
+mod sheet;
 mod survey;
 mod table;
 mod text;
@@ -14,6 +15,7 @@ mod view;
 mod words;
 
 pub use page::{ComparisonPage, comparison_page, difference_map};
+pub use sheet::comparison_sheet;
 pub use table::{Group, Row, decimals_for, groups};
 pub use text::table;
 pub use words::{HeightSource, remarks};

@@ -47,13 +47,8 @@ impl View {
         };
         let per_metre = longest / extent.max_element();
         let scale = metres_per_unit * per_metre;
-        let notation = match dem.crs() {
-            Some(crs) if crs.is_geographic() => Notation::Degrees,
-            Some(_) => Notation::Plane,
-            None => Notation::Plain,
-        };
         let place = |p: DVec2| Some(grid.corner + DVec2::new(p.x, -p.y) / scale);
-        let ticks = ticks(extent * per_metre, notation, place);
+        let ticks = ticks(extent * per_metre, Notation::of(dem.crs()), place);
         let metres = metres_per_unit_of(&dem.grid(), dem.crs()).map(|_| 1.0 / per_metre);
         Self {
             grid: *grid,

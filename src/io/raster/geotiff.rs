@@ -1,4 +1,5 @@
-//! GeoTIFF height maps: 32-bit floating point in compressed tiles, plain or as a Cloud Optimized GeoTIFF.
+//! GeoTIFF height maps: 32-bit floating point in compressed tiles, plain or as a Cloud Optimized GeoTIFF. Brightness has 8 bits,
+//! and 0 where there is no data, as other programs have hillshades.
 //!
 //! Cells without data hold -9999, and the nodata tag names this value. GDAL and QGIS would accept NaN, but older ArcGIS
 //! versions and most self-written readers treat NaN as a height. Tiles pass the floating point predictor and are then
@@ -40,6 +41,9 @@ const CLASSIC_LIMIT: u64 = 4_000_000_000;
 
 /// The usual nodata value. If a cell really is that low, NaN is used instead.
 const NODATA: f32 = -9999.0;
+
+/// The nodata value of brightness, which is from 1 to 255.
+const DARK: f32 = 0.0;
 
 /// GDAL's own tag: name and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
@@ -106,7 +110,8 @@ fn kind(images: &[Image<'_>]) -> Kind {
 
 /// Writes values row by row to `path`, as one band of a plain GeoTIFF.
 pub(super) fn write_rows(path: &Path, rows: &dyn RasterRows, crs: Option<&Crs>, values: Values) -> Result<()> {
-    for nodata in [NODATA, f32::NAN] {
+    let marks: &[f32] = if values.quantity == Quantity::Shade { &[DARK] } else { &[NODATA, f32::NAN] };
+    for &nodata in marks {
         let mut is_whole = false;
         create(path, |out| {
             is_whole = Raster::of_rows(rows.grid(), crs, values, nodata).write_rows(rows, out)?;
@@ -133,7 +138,11 @@ impl<'a> Raster<'a> {
             images.extend(overviews(&images[0], TILE, values.quantity));
         }
         let is_taken = images.iter().flat_map(|image| &image.bands).any(|band| band.contains(&NODATA));
-        let nodata = if is_taken { f32::NAN } else { NODATA };
+        let nodata = match values.quantity {
+            Quantity::Shade => DARK,
+            _ if is_taken => f32::NAN,
+            _ => NODATA,
+        };
         Self { grid: dem.grid, crs: dem.crs.as_ref(), values, layout, kind: kind(&images), images, nodata }
     }
 
@@ -141,6 +150,11 @@ impl<'a> Raster<'a> {
     fn of_rows(grid: Grid, crs: Option<&'a Crs>, values: Values, nodata: f32) -> Self {
         let images = vec![Image { bands: vec![Cow::Borrowed(&[])], cols: grid.cols, rows: grid.rows }];
         Self { grid, crs, values, layout: TiffLayout::Plain, kind: kind(&images), images, nodata }
+    }
+
+    /// How values are stored.
+    fn stored(&self) -> Stored {
+        if self.values.quantity == Quantity::Shade { Stored::Byte } else { Stored::Float { nodata: self.nodata } }
     }
 
     /// Writes the tiles from the first rows to the last, and the directory. It stops and returns false if a value is that for no
@@ -154,14 +168,14 @@ impl<'a> Raster<'a> {
         let mut blocks = Blocks::of_length(rows, TILE * (BATCH / across).max(1));
         while let Some(block) = blocks.next_block().map_err(Filled::Values)? {
             let values = block.heights();
-            if values.contains(&self.nodata) {
+            if self.stored() != Stored::Byte && values.contains(&self.nodata) {
                 return Ok(false);
             }
             let part = Part { values, cols: image.cols, rows: block.rows.len() };
             let count = across * block.rows.len().div_ceil(TILE);
             let tiles: Vec<std::io::Result<Vec<u8>>> = (0..count)
                 .into_par_iter()
-                .map(|tile| compress(&tile_bytes(&part, (tile % across * TILE, tile / across * TILE), self.nodata)))
+                .map(|tile| compress(&tile_bytes(&part, (tile % across * TILE, tile / across * TILE), self.stored())))
                 .collect();
             for bytes in tiles {
                 let bytes = bytes?;
@@ -187,7 +201,7 @@ impl<'a> Raster<'a> {
             for first in (0..image.count()).step_by(BATCH) {
                 let batch: Vec<std::io::Result<Vec<u8>>> = (first..image.count().min(first + BATCH))
                     .into_par_iter()
-                    .map(|tile| compress(&image_tile(image, tile, self.nodata)))
+                    .map(|tile| compress(&image_tile(image, tile, self.stored())))
                     .collect();
                 for (tile, bytes) in (first..).zip(batch) {
                     let bytes = bytes?;
@@ -227,22 +241,26 @@ impl<'a> Raster<'a> {
         let long = |value: usize| Field::Longs(vec![value as u32]);
         // The bands are stored one after the other. A reader of heights need not read the errors.
         let planar = if bands > 1 { PlanarConfiguration::Planar } else { PlanarConfiguration::Chunky };
-        let nodata = if self.nodata.is_nan() { "nan" } else { "-9999" };
+        let nodata = if self.nodata.is_nan() { "nan".to_owned() } else { self.nodata.to_string() };
+        let (bits, format, predictor) = match self.stored() {
+            Stored::Byte => (8, SampleFormat::Uint, Predictor::Horizontal),
+            Stored::Float { .. } => (32, SampleFormat::IEEEFP, Predictor::FloatingPoint),
+        };
         let mut tags: Directory = vec![
             (Tag::ImageWidth, long(image.cols)),
             (Tag::ImageLength, long(image.rows)),
-            (Tag::BitsPerSample, Field::Shorts(vec![32; bands])),
+            (Tag::BitsPerSample, Field::Shorts(vec![bits; bands])),
             (Tag::Compression, short(CompressionMethod::Deflate.to_u16())),
             (Tag::PhotometricInterpretation, short(PhotometricInterpretation::BlackIsZero.to_u16())),
             (Tag::SamplesPerPixel, short(bands as u16)),
             (Tag::PlanarConfiguration, short(planar.to_u16())),
-            (Tag::Predictor, short(Predictor::FloatingPoint.to_u16())),
+            (Tag::Predictor, short(predictor.to_u16())),
             (Tag::TileWidth, long(TILE)),
             (Tag::TileLength, long(TILE)),
             (Tag::TileOffsets, Field::Offsets(places.offsets.clone())),
             (Tag::TileByteCounts, Field::Offsets(places.lengths.clone())),
-            (Tag::SampleFormat, Field::Shorts(vec![SampleFormat::IEEEFP.to_u16(); bands])),
-            (Tag::GdalNodata, Field::Ascii(nodata.into())),
+            (Tag::SampleFormat, Field::Shorts(vec![format.to_u16(); bands])),
+            (Tag::GdalNodata, Field::Ascii(nodata)),
         ];
         if bands > 1 {
             tags.push((Tag::ExtraSamples, short(0)));
@@ -274,6 +292,15 @@ fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     encoder.finish()
 }
 
+/// How a value is stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stored {
+    /// 8 bits: brightness, rounded.
+    Byte,
+    /// 32 bits.
+    Float { nodata: f32 },
+}
+
 /// Rows of a band.
 struct Part<'a> {
     values: &'a [f32],
@@ -282,27 +309,42 @@ struct Part<'a> {
 }
 
 /// The bytes of one of the tiles of an image.
-fn image_tile(image: &Image<'_>, tile: usize, nodata: f32) -> Vec<u8> {
+fn image_tile(image: &Image<'_>, tile: usize, stored: Stored) -> Vec<u8> {
     let [across, down] = image.tiles();
     let part = Part { values: &image.bands[tile / (across * down)], cols: image.cols, rows: image.rows };
     let tile = tile % (across * down);
-    tile_bytes(&part, (tile % across * TILE, tile / across * TILE), nodata)
+    tile_bytes(&part, (tile % across * TILE, tile / across * TILE), stored)
+}
+
+/// A brightness as a byte. NaN becomes the mark of no data.
+fn byte(brightness: f32) -> u8 {
+    if brightness.is_nan() { DARK as u8 } else { brightness.round().clamp(1.0, 255.0) as u8 }
 }
 
 /// The bytes of one tile after the predictor. Outside the map the last column and row are repeated.
-fn tile_bytes(part: &Part<'_>, (left, top): (usize, usize), nodata: f32) -> Vec<u8> {
+fn tile_bytes(part: &Part<'_>, (left, top): (usize, usize), stored: Stored) -> Vec<u8> {
     let &Part { values, cols, rows } = part;
-    let mut bytes = vec![0; TILE * TILE * size_of::<f32>()];
-    for (row, line) in bytes.chunks_exact_mut(TILE * size_of::<f32>()).enumerate() {
+    let width = match stored {
+        Stored::Byte => 1,
+        Stored::Float { .. } => size_of::<f32>(),
+    };
+    let mut bytes = vec![0; TILE * TILE * width];
+    for (row, line) in bytes.chunks_exact_mut(TILE * width).enumerate() {
         let start = (top + row).min(rows - 1) * cols;
-        for col in 0..TILE {
-            let height = values[start + (left + col).min(cols - 1)];
-            let stored = if height.is_nan() { nodata } else { height };
-            for (plane, byte) in stored.to_be_bytes().into_iter().enumerate() {
-                line[plane * TILE + col] = byte;
+        let value = |col: usize| values[start + (left + col).min(cols - 1)];
+        match stored {
+            Stored::Byte => (0..TILE).for_each(|col| line[col] = byte(value(col))),
+            Stored::Float { nodata } => {
+                for col in 0..TILE {
+                    let value = value(col);
+                    let value = if value.is_nan() { nodata } else { value };
+                    for (plane, byte) in value.to_be_bytes().into_iter().enumerate() {
+                        line[plane * TILE + col] = byte;
+                    }
+                }
             }
         }
-        // The predictor stores the difference to the previous byte, over all four byte planes of the line.
+        // The predictor stores the difference to the previous byte, with floating point over all four byte planes of the line.
         for at in (1..line.len()).rev() {
             line[at] = line[at].wrapping_sub(line[at - 1]);
         }
@@ -375,6 +417,27 @@ mod tests {
         assert_eq!(values[0], -9999.0);
         assert!(values[21].is_nan());
         assert_eq!(nodata, "nan");
+    }
+
+    #[test]
+    fn brightness_has_8_bits_and_0_where_there_is_no_data() {
+        let dir = tempfile::tempdir().unwrap();
+        let [whole, rows, cog] = ["whole.tif", "rows.tif", "cog.tif"].map(|name| dir.path().join(name));
+        let mut dem = sample(300, 520);
+        dem.values.iter_mut().enumerate().for_each(|(k, value)| *value = 1.0 + (k % 2541) as f32 / 10.0);
+        (dem.values[7], dem.values[8]) = (f32::NAN, 254.7);
+        write(&whole, &dem, Quantity::Shade.into(), TiffLayout::Plain, None).unwrap();
+        write(&cog, &dem, Quantity::Shade.into(), TiffLayout::CloudOptimized, None).unwrap();
+        write_rows(&rows, &dem, dem.crs.as_ref(), Quantity::Shade.into()).unwrap();
+        assert!(std::fs::read(&whole).unwrap() == std::fs::read(&rows).unwrap());
+        for path in [&whole, &cog] {
+            let mut decoder = Decoder::new(BufReader::new(File::open(path).unwrap())).unwrap();
+            assert_eq!(decoder.get_tag_ascii_string(Tag::GdalNodata).unwrap(), "0");
+            let DecodingResult::U8(values) = decoder.read_image().unwrap() else { panic!("not 8 bits") };
+            assert_eq!(values[7..9], [0, 255]);
+            let far = |(&stored, value): (&u8, &f32)| (f32::from(stored) - value).abs() > 0.5;
+            assert!(!values.iter().zip(&dem.values).any(far));
+        }
     }
 
     #[test]
