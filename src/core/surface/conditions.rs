@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::known_lines::heights_by_place;
-use super::lakeside::{keep_above_lakes, lowest_known};
+use super::lakeside::{keep_above_lakes, keep_off_water, lowest_known};
 use crate::base::bits::bits;
 use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::ContourMap;
@@ -65,6 +65,8 @@ pub(crate) fn conditions<'a>(
         let is_water = parallel::values_each(&triangles, |t| *t != NONE && is_water(t));
         let lowest = lowest_known(grid, subdivision.used_spots(), known);
         keep_above_lakes([&mut lo, &mut hi], &is_water, &lowest, grid.cols);
+        let levels = subdivision.regions.regions.iter().filter_map(|region| region.water);
+        keep_off_water(&mut lo, &hi, levels, subdivision.interval.step);
     }
     let is_hollow = is_hollow(&subdivision.regions);
     let hollows: Vec<bool> = parallel::values_each(&triangles, |&t| {

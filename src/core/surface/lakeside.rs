@@ -8,6 +8,8 @@ use crate::spline::Lattice;
 
 /// The ground up to this distance from the water is at its shore, in nodes.
 const REACH: usize = 3;
+/// Ground is above the level of water by at least this share of the interval.
+const ABOVE_WATER: f64 = 1e-3;
 /// Lower ground counts that is nearer than so many times the distance to the water.
 const NEARER: f64 = 2.0;
 
@@ -59,6 +61,20 @@ pub(super) fn keep_above_lakes([lo, hi]: [&mut [f32]; 2], is_water: &[bool], low
     floors.into_iter().for_each(|(n, level)| lo[n] = level);
 }
 
+/// Raises the lower bounds of ground that may come down to the level of water, of the sea as of lakes, a little above it. So a
+/// height tells the ground from the water.
+pub(super) fn keep_off_water(lo: &mut [f32], hi: &[f32], levels: impl Iterator<Item = f64>, interval: f64) {
+    // Adding 0 makes 0 of -0.
+    let mut levels: Vec<f32> = levels.map(|level| level as f32 + 0.0).collect();
+    levels.sort_unstable_by(f32::total_cmp);
+    for (lo, hi) in lo.iter_mut().zip(hi.iter()) {
+        let raised = *lo + (ABOVE_WATER * interval) as f32;
+        if raised < *hi && levels.binary_search_by(|level| level.total_cmp(&(*lo + 0.0))).is_ok() {
+            *lo = raised;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,6 +107,13 @@ mod tests {
         keep_above_lakes([&mut lo, &mut hi], &is_water, &lowest, cols);
         assert_eq!(lo[..cols], [5.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -10.0, -10.0]);
         assert_eq!(hi, of(5.0, 10.0, 0.0));
+    }
+
+    #[test]
+    fn ground_that_comes_down_to_water_stays_a_little_above_it() {
+        let (mut lo, hi) = ([-0.0, 0.0, 0.0, 5.0, -10.0, f32::NAN], [10.0, 10.0, 0.0, 10.0, 0.0, f32::NAN]);
+        keep_off_water(&mut lo, &hi, [0.0, 5.0].into_iter(), 10.0);
+        assert_eq!(lo[..5], [0.01, 0.01, 0.0, 5.01, -10.0]);
     }
 
     #[test]
