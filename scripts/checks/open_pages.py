@@ -7,7 +7,7 @@ Makes the pages from a drawn sample, and opens each in Chromium without a window
 say nothing of a fault, and leave no error in the console. A damaged page must say so, and an error that is put into a page must be
 seen here. It takes some seconds; check_terrain_page.py tries what the pages can do.
 
-Needs Chromium alone. Without it, it says so and ends with status 0. Otherwise, exit status 0: all of that holds; 1: some does not.
+Needs Chromium alone, with WebGL. Without it, it says so and ends with status 0. Otherwise, exit status 0: all of that holds; 1: some does not.
 """
 import argparse
 import pathlib
@@ -20,6 +20,8 @@ import tempfile
 SAMPLE = pathlib.Path(__file__).resolve().parents[2] / "samples" / "fig3a_spur.geojson"
 FLAGS = ["--headless=new", "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
          "--disable-sync", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader", "--enable-logging=stderr"]
+# A page that tells whether the browser works at all.
+TRIAL = "<canvas></canvas><script>document.body.append(`WebGL: ${!!document.querySelector('canvas').getContext('webgl2')}`)</script>"
 # Time that the page believes to pass, milliseconds; the browser goes through it as fast as it can.
 PATIENCE = 20_000
 LIMIT = 120
@@ -62,6 +64,15 @@ def faults_of(body, console):
     return ([f"it says: {told[1]}"] if told else []) + found + console
 
 
+def draws(chromium, folder):
+    """Whether the browser starts here, and draws."""
+    (folder / "trial.html").write_text(TRIAL)
+    try:
+        return "WebGL: true" in opened(chromium, folder / "trial.html", folder / "profile")[0]
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--command", default="target/debug/tokosen")
@@ -72,6 +83,8 @@ def main():
     failures = 0
     with tempfile.TemporaryDirectory() as root:
         folder = pathlib.Path(root)
+        if not draws(args.chromium, folder):
+            sys.exit(print(f"skipped: {args.chromium} does not draw in WebGL here"))
         pages = make(args.command, folder)
         text = pages["terrain"].read_text()
         broken = {
