@@ -85,7 +85,11 @@ fn spot_heights_with_a_standard_error_count_as_far_as_it_says() {
     fs::write(folder.path("p.csv"), "x,y,z,sigma\n746500,4019000,687,\n746550,4019000,692,2\n746600,4019000,702,abc\n")
         .unwrap();
     let text = folder.succeeds("dem c.gpkg --cell 20 --points p.csv --points-sigma 1 -o d.tif");
-    assert!(text.contains("which is no standard error"), "{text}");
+    assert!(text.contains("p.csv: ") && text.contains("which is no standard error"), "{text}");
+    assert!(
+        text.contains("p.csv: the file does not name its coordinate reference system; it is taken to be in"),
+        "{text}"
+    );
     assert!(text.contains("2 of them with a standard error"), "{text}");
 }
 

@@ -260,3 +260,13 @@ fn wrong_usage_is_told() {
     let (status, _, err) = folder.run("check map.geojson --repair safe -o map.geojson");
     assert_ne!(status, 0, "{err}");
 }
+
+#[test]
+fn contours_on_one_straight_line_have_no_ground() {
+    let folder = Folder::new();
+    let line = |x: f64| vec![[x, 5.0], [x + 10.0, 5.0]];
+    folder.put("map.geojson", &[(10.0, line(0.0)), (20.0, line(20.0))]);
+    let (status, _, err) = folder.run("dem map.geojson --cell 1 -o dem.tif");
+    assert_eq!(status, 1, "{err}");
+    assert!(err.contains("all points lie on one line"), "{err}");
+}

@@ -41,13 +41,18 @@ fn line(points: Vec<[f64; 2]>, properties: Value) -> Value {
 
 /// Wavy contours of 300 to 480 m.
 fn slope() -> Vec<Value> {
+    slope_of(10)
+}
+
+/// The same with so many contours.
+fn slope_of(count: i32) -> Vec<Value> {
     let course = |k: i32| {
         (0..=20).map(move |i| {
             let x = 50.0 * f64::from(i);
             [500_000.0 + x, 5_000_050.0 + 100.0 * f64::from(k) + 15.0 * (x / 110.0).sin()]
         })
     };
-    (0..10).map(|k| line(course(k).collect(), json!({"elev": 300 + 20 * k}))).collect()
+    (0..count).map(|k| line(course(k).collect(), json!({"elev": 300 + 20 * k}))).collect()
 }
 
 fn frame(elevation: f64) -> Value {
@@ -134,4 +139,21 @@ fn depths_become_negative_elevations() {
     folder.succeeds("densify bed.geojson -a depth_ft --unit ft --depths -i 1 -o bed2.geojson");
     let levels = folder.levels("bed2.geojson");
     assert!(levels.iter().all(|z| (-19.0..-3.0).contains(z)) && levels.contains(&-4.0), "{levels:?}");
+}
+
+#[test]
+fn the_line_about_accuracy_counts_findings_of_wrong_elevations() {
+    let folder = Folder::new();
+    let mut lines = slope_of(40);
+    let told = |lines: &[Value], options: &str| {
+        folder.put("map.geojson", &collection(lines));
+        let text = folder.succeeds(&format!("dem map.geojson --cell 20 --overwrite -o dem.tif {options}"));
+        assert!(text.contains("expected error of heights"), "{text}");
+        text.contains("more where an elevation is wrong or a contour is missing: 1 finding says so")
+    };
+    assert!(!told(&lines, ""));
+    let elevation = lines[8]["properties"]["elev"].as_f64().unwrap();
+    lines[8]["properties"]["elev"] = json!(elevation + 100.0);
+    assert!(told(&lines, ""));
+    assert!(!told(&lines, "--repair all"));
 }
