@@ -216,10 +216,15 @@ impl Picture {
         Ok(format!(" ({width} x {height} mm{scale})"))
     }
 
-    /// Puts it in its place.
+    /// Puts it in its place, and says so.
     pub fn commit(self, console: &Console) -> Result<(), Failure> {
-        console.say(&format!("written    {}{}", self.staged.commit()?.display(), self.about));
+        console.say(&self.put()?);
         Ok(())
+    }
+
+    /// Puts it in its place. Gives what is to be said about it.
+    pub fn put(self) -> Result<String, Failure> {
+        Ok(format!("written    {}{}", self.staged.commit()?.display(), self.about))
     }
 }
 

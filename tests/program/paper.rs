@@ -127,7 +127,9 @@ fn a_map_of_differences_has_its_scale_and_its_figures() {
     let said = folder.succeeds("compare a.tif b.tif --preview map.svg --scale 12500 --source USGS");
     assert!(said.contains("map.svg (297 x 210 mm, 1:12500)"), "{said}");
     let svg = fs::read_to_string(folder.path("map.svg")).unwrap();
-    let figures: Value = serde_json::from_str(&folder.succeeds("compare a.tif b.tif --json")).unwrap();
+    // Beside JSON, nothing is said about the picture.
+    let json = folder.succeeds("compare a.tif b.tif --json --preview json.svg -q");
+    let figures: Value = serde_json::from_str(&json).unwrap();
     let rmse = figures["overall"]["rmse"].as_f64().unwrap();
     let shown = svg.split("RMSE ").nth(1).and_then(|text| text.split(' ').next()).unwrap().parse::<f64>().unwrap();
     assert!((shown - rmse).abs() <= 0.01 * rmse.max(0.5), "{shown} {rmse}");

@@ -26,7 +26,7 @@ use super::extensions::open_raster;
 use super::failure::Failure;
 use super::height_map::ABOUT_GRID;
 use super::input::InputArgs;
-use super::picture::{Asked, Drawing};
+use super::picture::{Asked, Drawing, Picture};
 use super::surface::about_surface;
 use super::unit::UnitArg;
 use super::{memory, summary, terrain_page};
@@ -89,10 +89,9 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
             console.say(&format!("written    {}", path.display()));
         }
     }
-    if let Some(picture) = picture {
-        picture.commit(console)?;
-    }
+    let drawn = picture.map(Picture::put).transpose()?;
     if !args.json {
+        drawn.iter().for_each(|line| console.say(line));
         summary::close(findings.len(), console);
     }
     Ok(())
