@@ -362,9 +362,9 @@ fn the_commands_of_the_guide_compare() {
         std::fs::copy(folder.path(from), folder.path(to)).unwrap();
     }
     let commands = commands(include_str!("../../src/guide/comparing.md"));
-    assert_eq!(commands.len(), 4);
+    assert_eq!(commands.len(), 5);
     commands.into_iter().for_each(|command| assert!(!guide_pages::run(&folder, command).is_empty()));
-    assert!(folder.path("differences.html").exists());
+    assert!(folder.path("differences.html").exists() && folder.path("differences.pdf").exists());
 }
 
 #[test]
