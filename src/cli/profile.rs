@@ -77,6 +77,9 @@ Examples:
   tokosen profile before.tif after.tif --line dam.geojson --sigma 0.3 -o dam.png --exaggeration 2
   tokosen profile contours.gpkg --line road.gpkg --sections 20 --width 50 -o sections.csv";
 
+/// Features that the summary names.
+const SHOWN: usize = 5;
+
 /// Runs the verb.
 pub fn run(args: &ProfileArgs, console: &Console) -> Result<(), Failure> {
     let contents = args.check(console)?;
@@ -114,6 +117,13 @@ pub fn run(args: &ProfileArgs, console: &Console) -> Result<(), Failure> {
     let [all, known] = found.counts();
     let what = if args.sections.is_some() { "sections" } else { "lines" };
     console.say(&format!("profile    {all} places on {} {what}; {known} of them with a height", found.runs.len()));
+    let bare = found.without_heights();
+    if !bare.is_empty() {
+        let shown: Vec<String> = bare.iter().take(SHOWN).map(u64::to_string).collect();
+        let more = if bare.len() > SHOWN { format!(" and {} more", bare.len() - SHOWN) } else { String::new() };
+        console
+            .say(&format!("           no height along all of a line or section: feature {}{more}", shown.join(", ")));
+    }
     results.commit(console)?;
     summary::close(findings.len(), console);
     Ok(())

@@ -37,15 +37,23 @@ pub fn read_paths(path: &Path, options: &ReadOptions) -> Result<Report<Paths>> {
     let mut table = read_table(path, options, Purpose::Features(Role::BreakLines))?;
     let findings = std::mem::take(&mut table.findings);
     let found = table.found_words();
-    let mut lines = Vec::new();
+    let (mut lines, mut without_length) = (Vec::new(), None);
     for feature in table.features {
         for line in feature.lines {
             let mut points: Vec<DVec2> = line.points.into_iter().filter(|p| p.is_finite()).collect();
             points.dedup();
             if points.len() > 1 {
                 lines.push((points, feature.number));
+            } else {
+                without_length = without_length.or(Some(feature.number));
             }
         }
+    }
+    if let (true, Some(feature)) = (lines.is_empty(), without_length) {
+        return Err(Error::file(
+            path,
+            format!("no line in it has a length (feature {feature}); name a file with lines"),
+        ));
     }
     if lines.is_empty() {
         return Err(Error::file(path, format!("there is no line in it{found}; name a file with lines")));

@@ -105,5 +105,14 @@ pub fn read_check_points(
     let unit = heights.unit(findings);
     checks.points.iter_mut().for_each(|point| point.z = unit.metres(point.z));
     leave_out_placeholders(&mut checks, findings);
-    add_check_points(found, pair, &checks, path)
+    add_check_points(found, pair, &checks, path)?;
+    let all = checks.points.len();
+    let used =
+        [&found.a, &found.b].into_iter().filter_map(|side| side.points.as_ref()).map(|points| points.cells).max();
+    if let Some(out) = all.checked_sub(used.unwrap_or_default()).filter(|out| *out > 0) {
+        let message =
+            format!("{}: {out} of {all} check points are not where A and B have heights; left out", path.display());
+        findings.push(Finding::general(FindingKind::SkippedFeature, message));
+    }
+    Ok(())
 }

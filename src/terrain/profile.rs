@@ -1,5 +1,6 @@
 //! Heights of one or several sides along lines and along sections across them.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::DVec2;
@@ -63,13 +64,19 @@ impl Profile {
         let is_known = |point: &&ProfilePoint| point.samples.iter().all(|sample| sample.height.is_finite());
         [points().count(), points().filter(is_known).count()]
     }
+
+    /// The features of runs along which no side has a height, each once.
+    pub fn without_heights(&self) -> BTreeSet<u64> {
+        let has_height = |point: &ProfilePoint| point.samples.iter().any(|sample| sample.height.is_finite());
+        self.runs.iter().filter(|run| !run.points.iter().any(has_height)).map(|run| run.feature).collect()
+    }
 }
 
 /// Heights of sides along lines, which are in the system `crs`; in that of the first side's file if it is `None`. Distances are
 /// measured on the plane of the first side. `path` is the file of the lines, for errors.
 ///
 /// # Errors
-/// As [`stations`](fn@stations) and [`sections`](fn@sections). If a line has no place on the plane of a side, or no side has a height on any line.
+/// As [`stations`](fn@stations) and [`sections`](fn@sections). If a line has no place on the plane of a side, or a side has no height on any line.
 pub fn profile(
     sides: &[&Side],
     lines: &[(Vec<DVec2>, u64)],
@@ -125,11 +132,13 @@ pub fn profile(
             ProfileRun { feature, section, points: points.collect() }
         })
         .collect();
-    let has_height = |point: &ProfilePoint| point.samples.iter().any(|sample| sample.height.is_finite());
-    if !found.iter().flat_map(|run| &run.points).any(has_height) {
-        let message = "no line lies where there are heights: do the files overlap, and do they name the right coordinate \
-                       reference systems?";
-        return Err(Error::file(path, message));
+    for (k, side) in sides.iter().enumerate() {
+        let mut heights = found.iter().flat_map(|run| &run.points).map(|point| point.samples[k].height);
+        if !heights.any(f64::is_finite) {
+            let message = "no line lies where there are heights: do the files overlap, and do they name the right coordinate \
+                           reference systems?";
+            return Err(Error::file(&side.source.file, message));
+        }
     }
     Ok(Profile { runs: found })
 }

@@ -9,9 +9,13 @@ use tokosen_core::raster::InUnit;
 use tokosen_draw::paper::{Fonts, Page, Sheet};
 use tokosen_draw::report::{ComparisonPage, HeightSource, comparison_page, comparison_sheet, remarks};
 
+/// Of fewer cells than this, a plane through their differences says nothing about height systems.
+const FEWEST_CELLS: usize = 10;
+
 /// Sentences about how the sides were brought onto one grid and what the figures mean.
 pub fn sentences(pair: &Pair, found: &Comparison) -> Vec<String> {
-    let trend = found.trend.as_ref().map(|trend| about_trend(pair, found, trend));
+    let trend = found.trend.as_ref().filter(|_| found.overall.cells >= FEWEST_CELLS);
+    let trend = trend.map(|trend| about_trend(pair, found, trend));
     pair.notes.iter().cloned().chain(remarks(found, height_sources(pair))).chain(trend).collect()
 }
 
@@ -25,11 +29,14 @@ fn about_trend(pair: &Pair, found: &Comparison, trend: &Trend) -> String {
     };
     // Usual differences are in metres.
     let known = Units::all(found.unit).message(&known.unwrap_or_default());
-    let [low, high] = [trend.lowest, trend.highest].map(|height| found.unit.about(height));
+    let [low, high] = [trend.lowest, trend.highest].map(|height| format!("{:.2}", found.unit.about(height)));
+    let plane = match low == high {
+        true => format!("A difference of {low} {} everywhere", found.unit.symbol()),
+        false => format!("A plane from {low} to {high} {}", found.unit.symbol()),
+    };
     format!(
-        "A plane from {low:.2} to {high:.2} {} explains {:.0} % of the squared differences. The bias may come from different height \
+        "{plane} explains {:.0} % of the squared differences. The bias may come from different height \
          systems (A: {}, B: {}) and not from errors of the heights: look up the systems of both{known}.",
-        found.unit.symbol(),
         100.0 * trend.explained,
         named(&pair.a),
         named(&pair.b)

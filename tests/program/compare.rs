@@ -268,6 +268,8 @@ fn check_points_check_and_are_not_built_in() {
     // A is 115 and 116 there, B a metre less.
     assert_eq!((&a["cells"], number(&a["bias"]), number(&a["highest"]["value"])), (&2.into(), 1.25, 2.0));
     assert_eq!((number(&b["bias"]), number(&b["lowest"]["value"])), (0.25, -0.5));
+    let told = found["findings"].to_string();
+    assert!(told.contains("points.geojson: 1 of 3 check points are not where A and B have heights"), "{told}");
     // In feet they are lower: 115 and 116 against a third of 113 and 115.5.
     let found = folder.json("compare a.asc b.asc --points points.geojson --unit ft");
     assert!(

@@ -165,6 +165,11 @@ fn what_is_missing_is_said() {
     folder.put("slope.tif", &dem(|p| 100.0 + 0.1 * p.x));
     fs::write(folder.path("far.geojson"), geojson("LineString", "[[0,0],[10,10]]")).unwrap();
     fs::write(folder.path("point.geojson"), geojson("Point", "[1000,2000]")).unwrap();
+    fs::write(folder.path("place.geojson"), geojson("LineString", "[[1000,2000],[1000,2000]]")).unwrap();
+    fs::write(folder.path("here.geojson"), geojson("LineString", "[[950,2000],[1050,2000]]")).unwrap();
+    let mut elsewhere = dem(|p| p.y);
+    elsewhere.grid.corner.x += 5000.0;
+    folder.put("elsewhere.tif", &elsewhere);
     for (command, status, words) in [
         ("volume slope.tif", USAGE, "give a level with --level Z"),
         ("volume slope.tif --level 3 -o v.svg", USAGE, "give --levels LOW:HIGH:STEP"),
@@ -174,6 +179,12 @@ fn what_is_missing_is_said() {
         ("volume slope.tif --level 3 --sigma -1", USAGE, "--sigma is -1"),
         ("profile slope.tif --line far.geojson -o p.csv", 1, "no line lies where there are heights"),
         ("profile slope.tif --line point.geojson -o p.csv", 1, "there is no line in it"),
+        ("profile slope.tif --line place.geojson -o p.csv", 1, "no line in it has a length (feature 0)"),
+        (
+            "profile slope.tif elsewhere.tif --line here.geojson -o p.csv",
+            1,
+            "elsewhere.tif: no line lies where there are heights",
+        ),
         ("profile slope.tif --line far.geojson -o p.pdf", USAGE, ".csv, .svg, .png"),
         ("profile slope.tif --line far.geojson --sections 3 -o p.csv", USAGE, "--width"),
         ("profile slope.tif --line far.geojson --step 0 -o p.csv", USAGE, "--step is 0"),
@@ -183,6 +194,10 @@ fn what_is_missing_is_said() {
         assert_eq!(output.status.code(), Some(status), "{command}: {said}");
         assert!(said.contains(words), "{command}: {said}");
     }
+    let lines = "[[[950,2000],[1050,2000]],[[0,0],[10,10]]]";
+    fs::write(folder.path("two.geojson"), geojson("MultiLineString", lines)).unwrap();
+    let said = folder.succeeds("profile slope.tif --line two.geojson -o p.csv");
+    assert!(said.contains("no height along all of a line or section: feature 0"), "{said}");
 }
 
 #[test]

@@ -399,7 +399,7 @@ fn needs_crs(need: CrsNeed) -> String {
         CrsNeed::Projecting => "the coordinate reference system of the contours is not known".to_owned(),
         CrsNeed::OtherOutput => {
             "the coordinate reference system of the contours is not known, so they cannot be transformed to another one; \
-             KML is always in longitudes and latitudes"
+             KML and map tiles are always in longitudes and latitudes"
                 .to_owned()
         }
         CrsNeed::WorkingCrs => format!("a system to work in needs {known}"),

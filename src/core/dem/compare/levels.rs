@@ -65,7 +65,7 @@ pub struct LevelHistogram {
     /// Number of these levels with at least 1.4 times as many heights near them as expected.
     pub terraced_levels: usize,
     /// Whether the height map has terraces: at least a third of the even-numbered levels and of the odd-numbered ones
-    /// are terraced. `None` if there are fewer than three levels, or if heights are so coarse that rounding puts them
+    /// are terraced, and more heights than expected are near all levels together. `None` if there are fewer than three levels, or if heights are so coarse that rounding puts them
     /// on levels.
     pub terraced: Option<bool>,
 }
@@ -180,7 +180,7 @@ impl Counts {
             expected: beside as f64 / 2.0 / total as f64,
             levels: votes.levels.iter().sum(),
             terraced_levels: votes.terraced.iter().sum(),
-            terraced: votes.are_many(interval, precision),
+            terraced: votes.are_many(interval, precision).map(|are_many| are_many && 2 * near > beside),
         })
     }
 }
@@ -293,6 +293,16 @@ mod tests {
         let h = level_histogram(&heights, &TEN, None).unwrap();
         assert!(h.near > 3.0 * h.expected);
         assert_eq!((h.terraced, h.terraced_levels), (Some(false), 1));
+    }
+
+    #[test]
+    fn regular_steps_between_levels_are_no_terraces() {
+        // Half metres, of which about as many are near multiples of 10 feet as elsewhere.
+        let plane: Vec<f32> = (0..40_000).map(|i| 1.25 + 0.5 * (i % 200) as f32).collect();
+        let feet = Interval { step: 3.048, base: 0.0, rounding: 0.0 };
+        let h = level_histogram(&plane, &feet, None).unwrap();
+        assert!(h.near <= h.expected && h.terraced_levels > h.levels / 3, "{h:?}");
+        assert_eq!(h.terraced, Some(false));
     }
 
     #[test]
