@@ -6,13 +6,13 @@
 
 use std::collections::HashSet;
 
-use geo::{Area, BoundingRect, Contains, Coord, MultiPolygon, Rect};
+use geo::{Area, BoundingRect, Coord, MultiPolygon, Rect};
 use glam::DVec2;
 
 use tokosen_core::base::error::{Error, Finding, Result};
 use tokosen_core::contour::{Contour, ContourMap};
 use tokosen_core::geometry::Border;
-use tokosen_core::geometry::common_area;
+use tokosen_core::geometry::{common_area, contains_area};
 use tokosen_core::subdomains::{Frame, frame_ring};
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
@@ -107,11 +107,11 @@ impl Part {
             Frame::Box => &self.boxed,
             Frame::Polygon(area) | Frame::PolygonInHull(area) | Frame::Outline(area) | Frame::Convex(area) => area,
         };
-        let window = MultiPolygon::from(self.window.to_polygon());
-        if window.contains(whole) {
+        let is_in_window = |around: Rect<f64>| corners(&around).into_iter().all(|corner| holds(&self.window, corner));
+        if whole.bounding_rect().is_none_or(is_in_window) {
             return wanted;
         }
-        let common = common_area(whole, &window);
+        let common = common_area(whole, &self.window.to_polygon().into());
         match wanted {
             Frame::Auto | Frame::Hull | Frame::Box | Frame::Convex(_) => Frame::Convex(common),
             Frame::Polygon(_) => Frame::Polygon(common),
@@ -125,7 +125,7 @@ impl Part {
     /// [`Error::PartOutside`] if there is no ground in the part.
     pub(super) fn of(&self, ground: &MultiPolygon<f64>) -> Result<MultiPolygon<f64>> {
         // An intersection moves vertices by a rounding error; then a grid could get a further column.
-        if ground.contains(&self.area) {
+        if contains_area(ground, &self.area) {
             return Ok(self.area.clone());
         }
         let common = common_area(ground, &self.area);

@@ -8,6 +8,7 @@ use super::input::Input;
 use tokosen_core::base::error::{Error, Result};
 use tokosen_core::check::far_lines;
 use tokosen_core::clean::is_place;
+use tokosen_core::geometry::contains_area;
 use tokosen_core::subdomains::FrameRing;
 
 /// Share of all vertices that may lie far off to one side by mistake. The preparation can leave them out, and the map is
@@ -41,11 +42,8 @@ impl Input {
         let ((west, east), (south, north)) = (x?, y?);
         let rect = Rect::new(Coord { x: west, y: south }, Coord { x: east, y: north });
         let mut area: MultiPolygon<f64> = rect.to_polygon().into();
-        if let Some(frame) = self.frame.polygon() {
-            area = area.intersection(frame);
-        }
-        if let Some(part) = &self.part {
-            area = area.intersection(part);
+        for other in self.frame.polygon().into_iter().chain(&self.part) {
+            area = if contains_area(&area, other) { other.clone() } else { area.intersection(other) };
         }
         area.bounding_rect().map(|_| FrameRing { area })
     }

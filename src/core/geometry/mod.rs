@@ -2,8 +2,10 @@
 
 mod border;
 mod common_area;
+mod contains_area;
 mod east;
 mod inside;
+mod lines;
 mod meet;
 mod order;
 mod oriented;
@@ -14,7 +16,9 @@ mod thin;
 pub use border::Border;
 pub use border::{OnEdge, rings, tolerance, tolerance_of_box, with_corners_at, with_vertices};
 pub use common_area::common_area;
+pub use contains_area::contains_area;
 pub use east::nearest_east;
+pub use lines::LineTree;
 #[doc(hidden)]
 pub use meet::Meeting;
 #[doc(hidden)]
@@ -27,6 +31,7 @@ pub use order::compare_points;
 pub use oriented::BoxTree;
 #[doc(hidden)]
 pub use oriented::OrientedBox;
+pub use oriented::along_curve;
 pub use segment::Bounds;
 #[doc(hidden)]
 pub use segment::Segment;

@@ -237,7 +237,7 @@ impl Eq for Candidate {}
 
 /// The position of a cell along Hilbert's curve through a square of cells. Successive cells of the curve are
 /// neighbours.
-fn along_curve(cell: [u16; 2]) -> u32 {
+pub fn along_curve(cell: [u16; 2]) -> u32 {
     let [mut x, mut y] = cell.map(u32::from);
     let mut place = 0;
     for bit in (0..u16::BITS).rev() {

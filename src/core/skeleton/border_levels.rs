@@ -9,7 +9,7 @@ use rstar::{AABB, ParentNode, PointDistance, RStarInsertionStrategy, RTree, RTre
 
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
-use super::sight::{nearest_in_sight, sees};
+use super::sight::{Found, Sights, nearest_in_sight};
 use crate::base::union_find::UnionFind;
 use crate::tin::Tin;
 
@@ -76,18 +76,28 @@ impl<'a> NearLevel<'a> {
     pub fn visible_distance(&self, tin: &Tin, glimpse: Option<&Glimpse>, point: &AxisPoint) -> f64 {
         let (from, level) = (point.position, self.tree.level);
         let p = from.to_array();
-        let shown = |s: &Segment| sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p)));
+        let mut sights = Sights::new(tin, point.triangle, from);
+        let mut shown = |s: &Segment| sights.sees(DVec2::from(s.nearest_point(&p)));
         // A point with a level lies inside its triangle or on an edge of it. A view can spread from there.
         let glimpse = glimpse.filter(|_| point.level.is_some());
-        if self.segment.is_none_or(shown) || glimpse.is_some_and(|glimpse| glimpse.hides(point.triangle, from, level)) {
+        if self.segment.is_none_or(&mut shown)
+            || glimpse.is_some_and(|glimpse| glimpse.hides(point.triangle, from, level))
+        {
             return self.distance;
         }
-        let trials = self.tree.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS);
-        if let Some((_, d2)) = trials.into_iter().find(|(s, _)| shown(s)) {
+        let mut trials = self.tree.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS);
+        if let Some((_, d2)) = trials.find(|(s, _)| shown(s)) {
             return d2.sqrt();
         }
-        let spread = |glimpse: &Glimpse| nearest_in_sight(tin, glimpse.branches(), point.triangle, from, level);
-        glimpse.and_then(spread).unwrap_or(self.distance)
+        let Some(glimpse) = glimpse else { return self.distance };
+        let found = match nearest_in_sight(&mut sights, glimpse.branches(), level) {
+            Found::Nearest(found) => found,
+            Found::Open(best, cone) => {
+                let nearer = cone.nearest(&self.tree.tree, best, |at| sights.sees(at));
+                nearer.or(best.is_finite().then_some(best))
+            }
+        };
+        found.unwrap_or(self.distance)
     }
 }
 

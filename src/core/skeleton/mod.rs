@@ -11,6 +11,7 @@ mod border_levels;
 mod branches;
 mod build;
 mod caps;
+mod cone;
 mod edges;
 mod eliminate;
 mod flow;

@@ -5,15 +5,20 @@
 //! therefore common.
 
 use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashSet};
+use std::collections::{BinaryHeap, HashSet, VecDeque};
 
 use glam::DVec2;
 
 use super::branches::{BranchLevels, is_on_border};
+use super::cone::Cone;
 use crate::tin::{NONE, Tin};
 
 /// A point this near to a line of sight lies on it, as a share of the line's length.
 const ON_SIGHT: f64 = 1e-9;
+/// Number of edges that are tried first.
+const BLOCKING: usize = 8;
+/// Most views of a search, without those as narrow as a line. With more, a search by distance takes less time.
+const MOST_VIEWS: usize = 1 << 11;
 
 /// A line of sight, as a straight line from a point in a direction.
 struct Sight {
@@ -29,20 +34,70 @@ impl Sight {
         i8::from(off > slack) - i8::from(off < -slack)
     }
 
+    /// Whether the line leads through an edge, from the left of the edge to the right. It is clear of both ends of the edge, and
+    /// both its own ends are clear of the edge.
+    fn crosses(&self, [u, v]: &[DVec2; 2]) -> bool {
+        let near = ON_SIGHT * self.way.length() * u.distance(*v);
+        let beyond = |p: DVec2| (v - u).perp_dot(p - u);
+        self.side(*u) < 0 && self.side(*v) > 0 && beyond(self.from + self.way) < -near && beyond(self.from) > near
+    }
+
     /// Position along the line, as a share of its length.
     fn along(&self, p: DVec2) -> f64 {
         self.way.dot(p - self.from) / self.way.length_squared()
     }
 }
 
-/// Whether `to` can be seen from `from`, a point of triangle `t`, without crossing a contour or the frame.
-pub(super) fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
-    let sight = Sight { from, way: to - from };
-    if sight.way.length_squared() == 0.0 {
-        return true;
+/// Lines of sight from one point of triangle `t`, and the edges that ended the last of them. Places near each other are mostly
+/// hidden by one edge, and the way to it may be long.
+pub(super) struct Sights<'a> {
+    tin: &'a Tin,
+    t: u32,
+    from: DVec2,
+    blocking: VecDeque<[DVec2; 2]>,
+}
+
+impl<'a> Sights<'a> {
+    pub fn new(tin: &'a Tin, t: u32, from: DVec2) -> Self {
+        Self { tin, t, from, blocking: VecDeque::new() }
     }
+
+    /// Whether `to` can be seen without crossing a contour or the frame.
+    pub fn sees(&mut self, to: DVec2) -> bool {
+        let sight = Sight { from: self.from, way: to - self.from };
+        if sight.way.length_squared() == 0.0 {
+            return true;
+        }
+        if self.blocking.iter().any(|edge| sight.crosses(edge)) {
+            return false;
+        }
+        match end_of(self.tin, self.t, &sight) {
+            Way::Free => true,
+            Way::Hidden => false,
+            Way::Blocked(edge) => {
+                self.blocking.truncate(BLOCKING - 1);
+                self.blocking.push_front(edge);
+                false
+            }
+        }
+    }
+}
+
+/// How a line of sight ends.
+enum Way {
+    /// At the place that it leads to.
+    Free,
+    /// At a border edge.
+    Blocked([DVec2; 2]),
+    /// At a vertex.
+    Hidden,
+}
+
+/// Follows a line of sight from a point of triangle `t`.
+fn end_of(tin: &Tin, mut t: u32, sight: &Sight) -> Way {
+    let to = sight.from + sight.way;
     let near = ON_SIGHT * sight.way.length();
-    let (mut t, mut came_from, mut reached) = (t, NONE, 0.0);
+    let (mut came_from, mut reached) = (NONE, 0.0);
     // A line of sight enters each triangle once at most, so this many steps are enough.
     for _ in 0..=tin.len() {
         let corners = tin.corners(t);
@@ -54,7 +109,7 @@ pub(super) fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
             crosses && !entered && (v - u).perp_dot(to - u) < -near * u.distance(v)
         });
         if let Some(i) = exit {
-            let Some(n) = tin.across(t, i) else { return false };
+            let Some(n) = tin.across(t, i) else { return Way::Blocked([corners[i], corners[(i + 1) % 3]]) };
             (came_from, t) = (t, n);
             continue;
         }
@@ -63,12 +118,12 @@ pub(super) fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
             .map(|k| (sight.along(corners[k]), k))
             .filter(|&(along, _)| along > reached + ON_SIGHT)
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((along, k)) = passed.filter(|p| p.0 < 1.0 - ON_SIGHT) else { return true };
+        let Some((along, k)) = passed.filter(|p| p.0 < 1.0 - ON_SIGHT) else { return Way::Free };
         let vertex = tin.triangles[t as usize][k];
-        let Some(n) = onwards(tin, t, vertex, &sight) else { return false };
+        let Some(n) = onwards(tin, t, vertex, sight) else { return Way::Hidden };
         (t, came_from, reached) = (n, NONE, along);
     }
-    false
+    Way::Hidden
 }
 
 /// The triangle in which a line of sight continues beyond a vertex on it, if a way around the vertex leads there from
@@ -99,6 +154,14 @@ struct View {
     nearest: DVec2,
 }
 
+/// What a search by views found.
+pub(super) enum Found {
+    /// The distance of the nearest visible segment, if there is one.
+    Nearest(Option<f64>),
+    /// After [`MOST_VIEWS`], the distance up to which visible segments are known, and the cone with those that may be nearer.
+    Open(f64, Cone),
+}
+
 /// Of the views in a heap, the one with the nearest edge comes first.
 impl Ord for View {
     fn cmp(&self, other: &Self) -> Ordering {
@@ -120,19 +183,21 @@ impl PartialEq for View {
 
 impl Eq for View {}
 
-/// Distance from a point in triangle `t` to the nearest visible contour segment of one level. The segment's nearest
+/// Distance from the point of `sights` to the nearest visible contour segment of one level. The segment's nearest
 /// point must be visible. None if the sub-domain has no such segment.
 ///
 /// The view spreads from triangle to triangle, the nearest edge first. Each edge narrows it, and it ends at the nearest
 /// segment found so far. The time depends on the number of visible triangles up to there, not on that of hidden
-/// segments. Branches without the level are left out. A view may be as narrow as a line between two vertices. What such
-/// a view shows is checked again with [`sees`].
+/// segments. After [`MOST_VIEWS`] it ends. Branches without the level are left out. A view may be as narrow as a line
+/// between two vertices. What such a view shows is checked again with [`Sights::sees`].
 ///
 /// Long because the view, its stack of edges and the nearest distance change together.
-pub(super) fn nearest_in_sight(tin: &Tin, branches: &BranchLevels, t: u32, from: DVec2, level: f64) -> Option<f64> {
+pub(super) fn nearest_in_sight(sights: &mut Sights, branches: &BranchLevels, level: f64) -> Found {
+    let (tin, t, from) = (sights.tin, sights.t, sights.from);
     let mut best = f64::INFINITY;
     let ends = |t: u32, i: usize| tin.edge(t, i).map(|v| tin.positions[v as usize] - from);
     let not_right_of = |a: DVec2, b: DVec2| a.perp_dot(b) >= -ON_SIGHT * a.length() * b.length();
+    let is_line = |view: &View| not_right_of(view.left, view.right) && view.left.dot(view.right) > 0.0;
     let mut views: BinaryHeap<View> = (0..3)
         .map(|edge| {
             let [right, left] = ends(t, edge);
@@ -142,7 +207,13 @@ pub(super) fn nearest_in_sight(tin: &Tin, branches: &BranchLevels, t: u32, from:
     // A view as narrow as a line passes a vertex on both sides. Without this set, their number would double at each
     // vertex of a row.
     let mut lines = HashSet::new();
+    let mut count = 0;
     while let Some(view) = views.pop() {
+        count += usize::from(!is_line(&view));
+        if count > MOST_VIEWS {
+            let limits = std::iter::once(&view).chain(&views).map(|view| [view.right, view.left]);
+            return Found::Open(best, Cone::around(from, limits));
+        }
         let [a, b] = ends(view.triangle, view.edge);
         let nearest = view.nearest;
         if nearest.length() >= best {
@@ -155,13 +226,13 @@ pub(super) fn nearest_in_sight(tin: &Tin, branches: &BranchLevels, t: u32, from:
                 && at.length() < best
                 && shows(at)
                 && leads_away(tin, view.triangle, v, from)
-                && sees(tin, t, from, from + at)
+                && sights.sees(from + at)
             {
                 best = at.length();
             }
         }
         if tin.border_level(view.triangle, view.edge) == Some(level) {
-            if shows(nearest) && sees(tin, t, from, from + nearest) {
+            if shows(nearest) && sights.sees(from + nearest) {
                 best = nearest.length();
             }
             continue;
@@ -180,7 +251,7 @@ pub(super) fn nearest_in_sight(tin: &Tin, branches: &BranchLevels, t: u32, from:
             }
             // A view as narrow as a line is not narrowed further, so that it is recognised later. From a point on an
             // edge, the view through that edge is a half-plane, which is no narrow view.
-            if not_right_of(view.left, view.right) && view.left.dot(view.right) > 0.0 {
+            if is_line(&view) {
                 let is_touched = not_right_of(a, view.left) && not_right_of(view.right, b);
                 let bits = [view.right, view.left].map(|p| p.to_array().map(f64::to_bits));
                 if is_touched && lines.insert((n, edge, bits)) {
@@ -195,7 +266,7 @@ pub(super) fn nearest_in_sight(tin: &Tin, branches: &BranchLevels, t: u32, from:
             }
         }
     }
-    best.is_finite().then_some(best)
+    Found::Nearest(best.is_finite().then_some(best))
 }
 
 /// Whether a contour segment at a vertex of triangle `t` leads away from `from`: the vertex is then its nearest point.
@@ -249,7 +320,11 @@ mod tests {
         let from = DVec2::new(0.5, 0.0);
         let t = tin.locate(0, from).unwrap();
         let branches = BranchLevels::new(&tin);
-        assert_eq!(nearest_in_sight(&tin, &branches, t, from, 10.0), Some(49.5));
-        assert_eq!(nearest_in_sight(&tin, &branches, t, from, 20.0), None);
+        let found = |level: f64| match nearest_in_sight(&mut Sights::new(&tin, t, from), &branches, level) {
+            Found::Nearest(found) => found,
+            Found::Open(..) => panic!("few views"),
+        };
+        assert_eq!(found(10.0), Some(49.5));
+        assert_eq!(found(20.0), None);
     }
 }

@@ -14,7 +14,7 @@ use crate::subdomains::{
     FrameExtension, FrameRing, GapEdges, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes,
     with_coast, with_open_sea, with_water,
 };
-use crate::tin::{Tin, TinInput, VertexKind, triangulate};
+use crate::tin::{Tin, TinInput, VertexKind, crossing_edges, triangulate};
 
 /// What is triangulated besides the contours.
 #[derive(Debug, Clone)]
@@ -90,13 +90,16 @@ impl Constraints {
         loop {
             let input = self.input(map, frame);
             let tin = triangulate(&input);
-            if let Err(Error::LinesCross { place }) = &tin
-                && let Some(lake) = self.water_bodies.nearest(*place)
-            {
+            if let Err(Error::LinesCross { place }) = &tin {
                 // Without lakes, the lines were triangulated before. So one of the lines that cross is a shore.
-                findings.push(crossing_finding(&self.water_bodies, lake, *place));
-                self.water_bodies.leave_out(lake);
-                continue;
+                let crossed = self.water_bodies.crossed(*place, || crossing_edges(&input))?;
+                for &(lake, place) in &crossed {
+                    findings.push(crossing_finding(&self.water_bodies, lake, place));
+                    self.water_bodies.leave_out(lake);
+                }
+                if !crossed.is_empty() {
+                    continue;
+                }
             }
             let tin = self.within_frame(tin?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);

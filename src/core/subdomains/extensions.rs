@@ -17,8 +17,7 @@ use super::FrameRing;
 use crate::base::bits::bits;
 use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
-use crate::geometry::{BoxTree, OrientedBox};
-use crate::geometry::{Segment, point_distance};
+use crate::geometry::{BoxTree, LineTree, OrientedBox, Segment, point_distance};
 
 /// An end of an open contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,15 +74,14 @@ pub fn extend_open_ends(
     }
     let cut: HashSet<[u64; 2]> = map.cut_ends.iter().map(|p| bits(*p)).collect();
     ends.iter_mut().for_each(|end| end.is_cut = cut.contains(&bits(end.position)));
-    let edges =
-        |ring: &FrameRing| RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
+    let edges = |ring: &FrameRing| LineTree::new(ring.edges());
     let (frame, hull) = (edges(ring), hull.map(edges));
     let corners: RTree<[f64; 2]> = RTree::bulk_load(ring.rings().flatten().map(|p| p.to_array()).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
     let index = Sight::new(map);
     let mut extensions: Vec<(bool, Option<FrameExtension>)> = parallel::map_each(&ends, |end| {
         let at = end.position.to_array();
-        let Some(edge) = frame.nearest_neighbor(&at) else { return (false, None) };
+        let Some((_, edge)) = frame.nearest(end.position) else { return (false, None) };
         // Two vertices of the frame at one position would leave a gap for lines between them.
         let on_frame = DVec2::from(edge.nearest_point(&at));
         let corner = corners.nearest_neighbor(&on_frame.to_array()).map(|&corner| DVec2::from(corner));
@@ -97,7 +95,7 @@ pub fn extend_open_ends(
         let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
         let is_free =
             || index.sees(map, end.position, beyond) && !index.touches(map, end.position, on_frame, tolerance);
-        let of_hull = hull.as_ref().and_then(|hull| Some(hull.nearest_neighbor(&at)?.distance_2(&at)));
+        let of_hull = hull.as_ref().and_then(|hull| Some(hull.nearest(end.position)?.0));
         let to_border = of_hull.unwrap_or(f64::INFINITY).min(distance * distance);
         if nearest_end.is_some_and(|d2| d2 < to_border) || !is_free() {
             return (false, None);

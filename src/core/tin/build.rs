@@ -6,11 +6,12 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blocks::{BLOCK, in_blocks};
-use super::faces::{Face, faces_between, with_loose};
+use super::faces::{Face, conflicts, faces_between, with_loose};
 use super::input::TinInput;
 use super::network::{NONE, Tin};
 use crate::base::error::{Error, Result};
 use crate::base::parallel;
+use crate::geometry::Segment;
 
 impl Tin {
     /// Takes these triangles. They are numbered along the contours, as the vertices are. So work that goes from
@@ -65,6 +66,18 @@ pub fn triangulate(input: impl Borrow<TinInput>) -> Result<Tin> {
     };
     drop((edges, loose));
     numbered(input, (source, positions), faces)
+}
+
+/// The edges that cross others which [`triangulate`] would hold, in map coordinates.
+///
+/// # Errors
+/// When a coordinate is out of range.
+pub(crate) fn crossing_edges(input: &TinInput) -> Result<Vec<Segment>> {
+    let (source, vertex_of) = merge_equal_positions(&input.positions);
+    let edges = between_vertices(&input.edges, &vertex_of);
+    let positions: Vec<DVec2> = source.iter().map(|&i| input.positions[i as usize]).collect();
+    let place = |v: u32| positions[v as usize] + input.origin;
+    Ok(conflicts(&positions, &edges)?.into_iter().map(|[u, v]| Segment { a: place(u), b: place(v) }).collect())
 }
 
 /// Triangulates points and edges, and gives only the triangles, in no particular order. Their corners are points of the

@@ -4,6 +4,7 @@ use glam::DVec2;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation as _};
 
+use super::insertion::in_rounds;
 use super::network::{CONSTRAINT, NONE};
 use crate::base::error::{Error, Result};
 use crate::base::parallel;
@@ -43,28 +44,77 @@ pub(super) fn faces_between(positions: &[DVec2], edges: &[[u32; 2]]) -> Result<V
 
 /// As [`faces_between`], with those `loose` edges that cross no others.
 pub(super) fn with_loose(positions: &[DVec2], edges: &[[u32; 2]], loose: &[[u32; 2]]) -> Result<Vec<Face>> {
-    let mut cdt = loaded(positions, edges)?;
+    let Triangulated { mut cdt, order, conflicts } = triangulated(positions, edges)?;
+    if let Some(&[u, v]) = conflicts.first() {
+        return Err(Error::LinesCross { place: positions[u as usize].midpoint(positions[v as usize]) });
+    }
+    let place = order.as_ref().map(|order| places(order));
     for ends in loose {
-        let [from, to] = ends.map(|v| FixedVertexHandle::from_index(v as usize));
+        let [from, to] = ends.map(|v| handle(v, place.as_deref()));
         if cdt.can_add_constraint(from, to) {
             cdt.add_constraint(from, to);
         }
     }
-    Ok(faces_of(&cdt))
+    let mut faces = faces_of(&cdt);
+    if let Some(order) = order {
+        faces.iter_mut().flat_map(|face| &mut face.corners).for_each(|v| *v = order[*v as usize]);
+    }
+    Ok(faces)
+}
+
+/// Edges that are not held, because each crosses one that is.
+///
+/// # Errors
+/// When a coordinate is out of range.
+pub(super) fn conflicts(positions: &[DVec2], edges: &[[u32; 2]]) -> Result<Vec<[u32; 2]>> {
+    Ok(triangulated(positions, edges)?.conflicts)
 }
 
 /// Spade's triangulation of different positions.
-fn loaded(positions: &[DVec2], edges: &[[u32; 2]]) -> Result<Cdt> {
-    let vertices = positions.iter().map(|&p| point(p)).collect();
-    let mut conflict = None;
-    let cdt = Cdt::try_bulk_load_cdt(vertices, edges.iter().map(|e| e.map(|v| v as usize)).collect(), |e| {
-        conflict.get_or_insert(e);
-    });
-    let cdt = cdt.map_err(refused)?;
-    match conflict {
-        Some([u, v]) => Err(Error::LinesCross { place: positions[u].midpoint(positions[v]) }),
-        None => Ok(cdt),
+struct Triangulated {
+    cdt: Cdt,
+    /// The positions in the order of its vertices, if it is another one.
+    order: Option<Vec<u32>>,
+    /// The edges that it does not hold.
+    conflicts: Vec<[u32; 2]>,
+}
+
+fn triangulated(positions: &[DVec2], edges: &[[u32; 2]]) -> Result<Triangulated> {
+    let mut conflicts = Vec::new();
+    let Some(rounds) = in_rounds(positions, edges) else {
+        let vertices = positions.iter().map(|&p| point(p)).collect();
+        let cdt = Cdt::try_bulk_load_cdt(vertices, edges.iter().map(|e| e.map(|v| v as usize)).collect(), |e| {
+            conflicts.push(e.map(|v| v as u32));
+        });
+        return Ok(Triangulated { cdt: cdt.map_err(refused)?, order: None, conflicts });
+    };
+    let order: Vec<u32> = rounds.iter().flat_map(|round| &round.points).copied().collect();
+    let place = places(&order);
+    let mut cdt = Cdt::default();
+    for round in &rounds {
+        for &v in &round.points {
+            cdt.insert(point(positions[v as usize])).map_err(refused)?;
+        }
+        for ends in round.edges.iter().map(|&e| edges[e as usize]) {
+            let [from, to] = ends.map(|v| handle(v, Some(&place)));
+            if cdt.try_add_constraint(from, to).is_empty() {
+                conflicts.push(ends);
+            }
+        }
     }
+    Ok(Triangulated { cdt, order: Some(order), conflicts })
+}
+
+/// The place of each position in an order.
+fn places(order: &[u32]) -> Vec<u32> {
+    let mut place = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(k, &v)| place[v as usize] = k as u32);
+    place
+}
+
+/// The vertex of a position.
+fn handle(v: u32, place: Option<&[u32]>) -> FixedVertexHandle {
+    FixedVertexHandle::from_index(place.map_or(v, |place| place[v as usize]) as usize)
 }
 
 /// The triangles in no particular order.

@@ -8,12 +8,14 @@ mod blocks;
 mod build;
 mod faces;
 mod input;
+mod insertion;
 mod kinds;
 mod locate;
 mod network;
 mod refine;
 mod split;
 
+pub(crate) use build::crossing_edges;
 pub use build::triangulate;
 pub use input::TinInput;
 pub use kinds::{TriangleKind, triangle_kinds};

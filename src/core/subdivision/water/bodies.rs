@@ -9,8 +9,9 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 
 use crate::base::FeatureId;
-use crate::base::error::{Finding, FindingKind};
-use crate::geometry::{Border, Segment, point_distance, rings};
+use crate::base::error::{Finding, FindingKind, Result};
+use crate::base::parallel;
+use crate::geometry::{Border, BoxTree, Meeting, OrientedBox, Segment, meeting, point_distance, rings};
 use crate::subdomains::Band;
 use crate::tin::{Tin, TinInput, VertexKind};
 
@@ -52,15 +53,52 @@ impl WaterBodies {
         self.water_bodies.iter().map(|body| body.height).collect()
     }
 
-    /// The lake in use whose shore is nearest to a place.
-    pub fn nearest(&self, place: DVec2) -> Option<u32> {
-        let distance = |body: &WaterBody| {
-            let edges = body.shores.iter().flat_map(|shore| shore.windows(2));
-            let each = edges.map(|w| point_distance(place, &Segment { a: w[0], b: w[1] }));
-            each.fold(f64::INFINITY, f64::min)
-        };
+    /// Lakes to leave out where lines cross, each with the place; none if no lake is in use. `first` is a place on a line
+    /// that crosses another. `crossing` gives the edges of all such lines.
+    ///
+    /// The lake nearest to each place is left out. An edge that crosses the shore of such a lake may cross nothing else,
+    /// and waits for the next triangulation.
+    ///
+    /// # Errors
+    /// Those of `crossing`.
+    pub fn crossed(&self, first: DVec2, crossing: impl FnOnce() -> Result<Vec<Segment>>) -> Result<Vec<(u32, DVec2)>> {
         let used = (0u32..).zip(&self.water_bodies).filter(|(_, body)| body.used);
-        used.map(|(id, body)| (distance(body), id)).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
+        let edges: Vec<(u32, Segment)> = used
+            .flat_map(|(lake, body)| body.shores.iter().flat_map(move |shore| shore.windows(2).map(move |w| (lake, w))))
+            .map(|(lake, w)| (lake, Segment { a: w[0], b: w[1] }))
+            .collect();
+        if edges.is_empty() {
+            return Ok(Vec::new());
+        }
+        let tree = BoxTree::new(&parallel::map_each(&edges, |(_, edge)| OrientedBox::around(&[edge.a, edge.b])));
+        let nearest = |place: DVec2| {
+            let mut best = (f64::INFINITY, u32::MAX);
+            for (edge, least) in tree.nearest_first(place) {
+                if least > best.0 {
+                    break;
+                }
+                let (lake, edge) = &edges[edge as usize];
+                let found = (point_distance(place, edge), *lake);
+                best = if found < best { found } else { best };
+            }
+            best.1
+        };
+        let mut found = vec![(nearest(first), first)];
+        let mut is_left_out = vec![false; self.water_bodies.len()];
+        is_left_out[found[0].0 as usize] = true;
+        for edge in crossing()? {
+            let crosses = |(lake, shore): &(u32, Segment)| {
+                is_left_out[*lake as usize] && matches!(meeting(&edge, shore), Meeting::Cross | Meeting::Overlap)
+            };
+            let place = edge.a.midpoint(edge.b);
+            let lake = nearest(place);
+            let around = OrientedBox::around(&[edge.a, edge.b]);
+            if !is_left_out[lake as usize] && !tree.near(around).any(|k| crosses(&edges[k as usize])) {
+                is_left_out[lake as usize] = true;
+                found.push((lake, place));
+            }
+        }
+        Ok(found)
     }
 
     /// Leaves out a lake.
@@ -198,5 +236,28 @@ mod tests {
         let used: Vec<bool> = constraints.water_bodies.water_bodies.iter().map(|body| body.used).collect();
         assert_eq!(used, [true, false]);
         assert!(findings[0].message.contains("the lake of feature 4 crosses"), "{}", findings[0].message);
+    }
+
+    #[test]
+    fn all_lakes_that_surely_cross_are_left_out_at_once() {
+        let square = |from: f64, to: f64| {
+            [(from, from), (to, from), (to, to), (from, to), (from, from)].map(|(x, y)| DVec2::new(x, y)).to_vec()
+        };
+        let lake = |(from, to)| WaterBody {
+            area: MultiPolygon::new(Vec::new()),
+            height: 15.0,
+            feature: 0.into(),
+            shores: vec![square(from, to)],
+            used: true,
+        };
+        let water_bodies: Vec<WaterBody> = [(0.0, 20.0), (10.0, 40.0), (35.0, 75.0), (100.0, 120.0)].map(lake).into();
+        let mut all = WaterBodies { water_bodies, ..WaterBodies::default() };
+        let edge = |from: f64, to: f64| Segment { a: DVec2::new(from, from), b: DVec2::new(to, from) };
+        let crossing = || Ok(vec![edge(10.0, 40.0), edge(35.0, 75.0), edge(100.0, 120.0)]);
+        let [first, last] = [DVec2::new(25.0, 10.0), DVec2::new(110.0, 100.0)];
+        // The third lake crosses the second alone, which is left out.
+        assert_eq!(all.crossed(first, crossing).unwrap(), [(1, first), (3, last)]);
+        all.water_bodies.iter_mut().for_each(|body| body.used = false);
+        assert!(all.crossed(first, crossing).unwrap().is_empty());
     }
 }

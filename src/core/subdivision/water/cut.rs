@@ -10,7 +10,7 @@ use glam::DVec2;
 use rstar::RTree;
 
 use super::net::Net;
-use crate::geometry::{Border, rings, tolerance};
+use crate::geometry::{Border, OrientedBox, rings, tolerance};
 use crate::geometry::{Meeting, meeting, place, point_distance};
 
 /// How far a boolean operation moves a vertex at most, as a share of the size of its input.
@@ -46,7 +46,8 @@ pub(crate) fn cut_back(
     let mut lines: Vec<LineString<f64>> = Vec::new();
     let mut points: BTreeMap<[i64; 2], Point<f64>> = BTreeMap::new();
     let mut clashes: Vec<Clash> = Vec::new();
-    for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
+    let around = OrientedBox::upright(corner(bounds.min()), corner(bounds.max())).grown(border.tolerance());
+    for piece in net.near_box(around) {
         let is_extension = net.courses[piece.line as usize].is_extension;
         if piece.level == height && !is_extension {
             continue;

@@ -4,12 +4,13 @@ use std::borrow::Cow;
 
 use geo::{BoundingRect, Rect};
 use glam::DVec2;
-use rstar::primitives::{GeomWithData, Line, Rectangle};
+use rstar::primitives::Rectangle;
 use rstar::{AABB, RTree};
 
 use super::bodies::Nodes;
+use crate::base::parallel;
 use crate::contour::{ContourMap, Lake};
-use crate::geometry::Segment;
+use crate::geometry::{BoxTree, OrientedBox, Segment};
 use crate::subdomains::FrameExtension;
 
 /// A line of one level: a contour or a frame extension.
@@ -29,14 +30,13 @@ pub(crate) struct Piece {
     pub ends: Segment,
 }
 
-/// A segment, with the number of its line and its own number on that line.
-type Placed = GeomWithData<Line<[f64; 2]>, (u32, u32)>;
-
 /// The segments of courses near lakes, and the vertices that were added to them.
 pub(crate) struct Net<'a> {
     pub courses: Vec<Course<'a>>,
     pub nodes: Nodes,
-    tree: RTree<Placed>,
+    /// By box of the tree: the number of the line, and that of the segment on it.
+    segments: Vec<(u32, u32)>,
+    tree: BoxTree,
 }
 
 impl<'a> Net<'a> {
@@ -63,17 +63,25 @@ impl<'a> Net<'a> {
             for (segment, ends) in (0u32..).zip(course.points.windows(2)) {
                 let [a, b] = [ends[0], ends[1]].map(|p| p.to_array());
                 if boxes.locate_in_envelope_intersecting(&AABB::from_corners(a, b)).next().is_some() {
-                    segments.push(GeomWithData::new(Line::new(a, b), (line, segment)));
+                    segments.push((line, segment));
                 }
             }
         }
-        Self { courses, nodes: Nodes::new(), tree: RTree::bulk_load(segments) }
+        let around = |&(line, segment): &(u32, u32)| {
+            OrientedBox::around(&courses[line as usize].points[segment as usize..][..2])
+        };
+        let tree = BoxTree::new(&parallel::map_each(&segments, around));
+        Self { courses, nodes: Nodes::new(), segments, tree }
     }
 
-    /// The pieces whose boxes are within `reach` of the box around `a` and `b`, in a fixed order.
+    /// The pieces within `reach` of the segment from `a` to `b`, in a fixed order; some may be a little further away.
     pub fn near(&self, a: DVec2, b: DVec2, reach: f64) -> Vec<Piece> {
-        let envelope = AABB::from_corners((a.min(b) - reach).to_array(), (a.max(b) + reach).to_array());
-        let mut found: Vec<(u32, u32)> = self.tree.locate_in_envelope_intersecting(&envelope).map(|s| s.data).collect();
+        self.near_box(OrientedBox::around(&[a, b]).grown(reach))
+    }
+
+    /// The pieces that meet a box, in a fixed order; some may only be near it.
+    pub fn near_box(&self, area: OrientedBox) -> Vec<Piece> {
+        let mut found: Vec<(u32, u32)> = self.tree.near(area).map(|s| self.segments[s as usize]).collect();
         found.sort_unstable();
         found.into_iter().flat_map(|key| self.pieces(key)).collect()
     }

@@ -10,11 +10,10 @@
 //! A lake whose shore still crosses a contour after that is left out.
 
 use glam::DVec2;
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{AABB, RTree};
 
 use super::net::{Net, Piece};
-use crate::geometry::{Meeting, Segment, meeting, place, point_distance};
+use crate::base::parallel;
+use crate::geometry::{BoxTree, Meeting, OrientedBox, Segment, meeting, place, point_distance};
 
 /// How often the search for crossings is repeated after vertices were added.
 const ROUNDS: usize = 4;
@@ -178,23 +177,22 @@ fn with_points_within(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<D
 
 /// The first point where shores cross or overlap each other, cross a contour, or touch a contour of another level.
 pub(crate) fn conflict(shores: &[Vec<DVec2>], level: f64, net: &Net) -> Option<DVec2> {
-    let segments = || shores.iter().flat_map(|shore| shore.windows(2)).map(|w| Segment { a: w[0], b: w[1] });
-    let own: Vec<_> = (0usize..)
-        .zip(segments())
-        .map(|(i, s)| GeomWithData::new(Line::new(s.a.to_array(), s.b.to_array()), i))
-        .collect();
-    let own = RTree::bulk_load(own);
-    (0usize..).zip(segments()).find_map(|(i, s)| {
-        let clashes = |piece: &Piece| match meeting(&s, &piece.ends) {
+    let segments: Vec<Segment> =
+        shores.iter().flat_map(|shore| shore.windows(2)).map(|w| Segment { a: w[0], b: w[1] }).collect();
+    let boxes = parallel::map_each(&segments, |s| OrientedBox::around(&[s.a, s.b]));
+    let own = BoxTree::new(&boxes);
+    (0u32..).zip(&segments).find_map(|(i, s)| {
+        let clashes = |piece: &Piece| match meeting(s, &piece.ends) {
             Meeting::Apart => false,
             Meeting::Cross => true,
             Meeting::Touch | Meeting::Overlap => piece.level != level,
         };
         let contour = net.near(s.a, s.b, 0.0).into_iter().find(|piece| clashes(piece)).map(|piece| piece.ends);
-        let envelope = AABB::from_corners(s.a.min(s.b).to_array(), s.a.max(s.b).to_array());
-        let crosses = |t: &Segment| matches!(meeting(&s, t), Meeting::Cross | Meeting::Overlap);
-        let later = own.locate_in_envelope_intersecting(&envelope).filter(|t| t.data > i);
-        let itself = || later.map(|t| Segment { a: t.geom().from.into(), b: t.geom().to.into() }).find(crosses);
-        contour.or_else(itself).map(|t| place(&s, &t))
+        let crosses = |t: &Segment| matches!(meeting(s, t), Meeting::Cross | Meeting::Overlap);
+        let itself = || {
+            let later = own.near(boxes[i as usize]).filter(|t| *t > i && crosses(&segments[*t as usize]));
+            later.min().map(|t| segments[t as usize])
+        };
+        contour.or_else(itself).map(|t| place(s, &t))
     })
 }
