@@ -48,7 +48,7 @@ fn about_trend(pair: &Pair, found: &Comparison, trend: &Trend) -> String {
 /// # Errors
 /// As [`comparison_page`].
 pub fn page(pair: &Pair, found: &Comparison) -> Result<String> {
-    shown(pair, found, |page| comparison_page(page))
+    shown(pair, found, comparison_page)
 }
 
 /// The map of the differences on paper, with the figures and the names of the files.

@@ -278,9 +278,9 @@ pub fn report_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &
         }
     }
     for (region, missing) in wanted {
-        let mut by_lines: BTreeMap<Option<[Option<u32>; 2]>, (Option<Steep>, Vec<String>)> = BTreeMap::new();
+        let mut by_lines = BTreeMap::new();
         for (level, steep) in missing {
-            let (_, levels) = by_lines.entry(steep.map(|s| s.lines)).or_insert((steep, Vec::new()));
+            let (_, levels) = by_lines.entry(steep.map_or([None; 2], |s| s.lines)).or_insert((steep, Vec::new()));
             levels.push(format!("{} m", grid.elevation(level)));
         }
         for (steep, levels) in by_lines.into_values() {

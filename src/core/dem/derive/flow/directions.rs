@@ -10,7 +10,7 @@ use crate::drain::{Flood, STEPS, neighbours, sortable, unsorted};
 use crate::raster::{Dem, GroundScale};
 
 /// Bytes of memory per cell: its direction, a mark, the flood's edge, and what is computed from the directions.
-const BYTES_PER_CELL: f64 = 14.0;
+const BYTES_PER_CELL: f64 = 18.0;
 /// The neighbour of an outlet.
 const OUTLET: u8 = 8;
 /// The neighbour of a cell without data.
@@ -73,13 +73,14 @@ impl FlowDirections {
 /// height next, and in a pit the lowest ground first, as in GRASS (Metz, Mitasova and Harmon 2011). A cell drains along the
 /// steepest descent (O'Callaghan and Mark 1984) to a neighbour that the flood took before it. Without a lower one, it
 /// drains to the neighbour from which the flood reached it. So pits drain along their lowest ground to the lowest point
-/// of their rim, level ground drains the shortest way, and no height is changed. `scale` gives the distances, as cells
+/// of their rim, and no height is changed. Level ground drains to the neighbour from which the way over level ground is shortest,
+/// of those that the flood took before. `scale` gives the distances, as cells
 /// need not be square.
 ///
 /// A cell where water can leave is an outlet if its ground falls outwards, by the plane through the cells around it, or if no
 /// neighbour is lower. Otherwise it drains as any other.
 ///
-/// The time is in proportion to n log n for n cells. The memory is two bytes per cell, and sixteen per cell of the
+/// The time is in proportion to n log n for n cells. The memory is six bytes per cell, and sixteen per cell of the
 /// flood's edge. `memory` is what the directions, and the accumulation or the catchments that are computed from them, may take,
 /// bytes; no limit if `None`.
 ///
@@ -106,6 +107,8 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale, memory: Option<u64>) -> R
 
     let mut towards: Vec<u8> = dem.values.iter().map(|h| if h.is_finite() { UNREACHED } else { NO_DATA }).collect();
     let mut is_taken = vec![false; dem.values.len()];
+    // The length of the way over level ground, to where it falls or water leaves.
+    let mut level_way = vec![0.0f32; dem.values.len()];
     // The flooded height and the height of the ground as one key.
     let key = |height: f32, level: f32| u64::from(sortable(height.max(level))) << 32 | u64::from(sortable(height));
     let mut flood = Flood::new();
@@ -122,6 +125,7 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale, memory: Option<u64>) -> R
         // To the neighbours on a column, diagonally, and on a row.
         let distances = [y, x.hypot(y), x];
         let mut steepest = 0.0;
+        let (flooded_from, mut is_level, mut nearest) = (towards[cell], false, (f32::INFINITY, towards[cell]));
         for (k, near) in neighbours(cell).flatten() {
             if towards[near] == UNREACHED {
                 towards[near] = ((k + 4) % 8) as u8;
@@ -133,7 +137,16 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale, memory: Option<u64>) -> R
                 if descent > steepest {
                     (steepest, towards[cell]) = (descent, k as u8);
                 }
+                if descent == 0.0 {
+                    is_level |= k == usize::from(flooded_from);
+                    let way = level_way[near] + distance as f32;
+                    nearest = if way < nearest.0 { (way, k as u8) } else { nearest };
+                }
             }
+        }
+        // A pit that is not level drains along the flood.
+        if is_level && steepest == 0.0 {
+            (level_way[cell], towards[cell]) = nearest;
         }
     }
     Ok(FlowDirections { grid: dem.grid, crs: dem.crs.clone(), towards })

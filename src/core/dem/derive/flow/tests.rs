@@ -52,6 +52,32 @@ fn path(directions: &FlowDirections, cell: usize) -> Vec<usize> {
 }
 
 #[test]
+fn wide_level_ground_drains_straight_to_the_nearest_edge() {
+    let (cols, rows) = (21, 15);
+    let found = flow(&ground(cols, rows, |_| 100.0));
+    for cell in 0..cols * rows {
+        let (col, row) = (cell % cols, cell / cols);
+        let to_edge = col.min(row).min(cols - 1 - col).min(rows - 1 - row);
+        let steps = path(&found, cell);
+        let is_straight =
+            steps.windows(2).all(|step| step[0] % cols == step[1] % cols || step[0] / cols == step[1] / cols);
+        assert!(is_straight && steps.len() == to_edge + 1, "{cell}: {steps:?}");
+    }
+    // A lake between banks, with its outlet in the west: straight ahead, and else diagonally as far as needed.
+    let is_bank = |p: DVec2| p.x == 0.0 || p.y == 0.0 || p.x == 20.0 || p.y == 14.0;
+    let lake =
+        flow(&ground(cols, rows, |p| if p == DVec2::new(0.0, 7.0) { 99.0 } else { 100.0 + f64::from(is_bank(p)) }));
+    for (col, row) in (2..20).flat_map(|col| (1..14).map(move |row| (col, row))) {
+        let steps = path(&lake, row * cols + col);
+        let across = steps.windows(2).filter(|step| step[0] / cols != step[1] / cols).count();
+        // Water falls into the outlet from the three cells beside it.
+        let (along, aside) = (col - 1, row.abs_diff(7).saturating_sub(1));
+        assert_eq!(steps.len() - 2, along.max(aside), "{col} {row}");
+        assert!(across <= aside + 1, "{col} {row}: {steps:?}");
+    }
+}
+
+#[test]
 fn a_plane_drains_in_one_direction() {
     // Falls to the south-east; water leaves over the last column and row.
     let plane = ground(4, 3, |p| 100.0 - p.x - p.y);
