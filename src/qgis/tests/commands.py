@@ -145,10 +145,11 @@ class Tools(Case):
         self.assertSameOutput(repaired, "check", faulty, "--repair", "all", "-o")
 
     def test_compare(self):
-        made, report = self.folder / "made.tif", self.folder / "report.html"
-        self.results("compare", A=CONTOURS, B=HEIGHTS, SIGMA=2, OUTPUT=made, REPORT=report)
+        made, report, on_paper = self.folder / "made.tif", self.folder / "report.html", self.folder / "map.pdf"
+        self.results("compare", A=CONTOURS, B=HEIGHTS, SIGMA=2, OUTPUT=made, REPORT=report, PREVIEW=on_paper)
         self.assertSameOutput(made, "compare", CONTOURS, HEIGHTS, "--sigma", "2", "-o")
         self.assertIn("<html", report.read_text()[:1000])
+        self.assertEqual(on_paper.read_bytes()[:4], b"%PDF")
 
     def test_profile(self):
         made, picture, line = self.folder / "made.csv", self.folder / "made.svg", self.folder / "line.geojson"

@@ -22,6 +22,7 @@ from .options import (
 PICTURE = "PNG files (*.png)"
 PAGE = "HTML files (*.html)"
 TABLE = "CSV files (*.csv)"
+PAPER = "PDF files (*.pdf);;SVG files (*.svg)"
 CHART = "SVG files (*.svg);;PNG files (*.png)"
 
 INPUT = layer("", "Contour lines", LINES, name="INPUT", optional=False)

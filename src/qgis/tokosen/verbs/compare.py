@@ -45,4 +45,5 @@ cell size or a height map with the same grid.
         raster_output("--output", "Differences A - B", style="difference"),
         file_output("--report", "Report", shared.PAGE, optional=False),
         file_output("--page", "Page in 3-D", shared.PAGE),
+        file_output("--preview", "Map of the differences on paper", shared.PAPER, advanced=True),
     ]
